@@ -1,7 +1,6 @@
 //! Messages that name a remedy: it is taken, by its field `remedy` as a program would, and helps.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on should say so and stop")]
-#![allow(clippy::print_stdout, reason = "a test that fails shows what was damaged")]
 
 mod common;
 
@@ -211,7 +210,6 @@ fn every_lost_or_damaged_file_of_a_finished_run_comes_back() {
                     fs::remove_file(place.path("run/digests.json")).unwrap();
                 }
                 let what = format!("{file}, lost: {is_lost}, digests: {with_digests}");
-                println!("{what}");
                 let damaged = place.path("damaged");
                 copy(&place.path("run"), &damaged);
                 for words in [
@@ -261,7 +259,6 @@ fn what_is_missing_of_an_unfinished_run_is_computed() {
                 Some(file) => flip(&place.path("run").join(file)),
                 None => {}
             }
-            println!("{words}, damaged: {file:?}");
             remedied(&place, words);
             assert_whole(&place, &surface);
         }

@@ -9,7 +9,7 @@ use crate::evaluate::parts::Parts;
 use crate::evaluate::sums::{LOOKUPS, Lookups, SumLayout};
 use crate::evaluate::unit::FinishedUnit;
 use crate::failure::Failure;
-use crate::files::folder::{Folder, SMALL_FILE, Unfinished, is_no_file};
+use crate::files::folder::{Folder, SMALL_FILE, Unfinished};
 use crate::files::foreign::text_of_key;
 use crate::job::{Job, JobSource};
 use crate::messages::{Code, Place};
@@ -17,7 +17,7 @@ use crate::output::{quoted, warn_of};
 use crate::store::digests::{DIGESTS, Digests, Fit, Known, digest_of_bytes, digest_of_file};
 use crate::store::file_state::{FileState, NOT_AS_WRITTEN, state_of};
 use crate::store::joining::{self, Refusal};
-use crate::store::layout::{AUDITS, JOB, MAPS, SEARCHES, SHARDS, SURFACE, require_free, require_run, require_traces};
+use crate::store::layout::{AUDITS, MAPS, SEARCHES, SHARDS, SURFACE, require_free, require_run, require_traces};
 use crate::store::lock::{AN_INSTANT, Access, Lock, is_held};
 use crate::store::piece::{self, Complaint, Defect, REMEDY_OF_VERSIONS};
 use crate::store::tally::Tally;
@@ -230,98 +230,6 @@ impl RunDirectory {
             Ok(()) => warn_of(&path, format_args!(" is set aside as {}: {why}", aside.display())),
             Err(error) => warn_of(&path, format_args!(" is ignored: {why} ({error})")),
         }
-    }
-
-    /// The frozen job, if there is one.
-    ///
-    /// # Errors
-    /// A file that is not the one that was written.
-    pub fn job_source(&self) -> Result<Option<JobSource>, Failure> {
-        let path = self.path().join(JOB);
-        let bytes = match self.root.read_if_there(JOB, SMALL_FILE) {
-            Ok(Some(bytes)) => bytes,
-            Ok(None) => return Ok(None),
-            Err(error) if is_no_file(&error) => return Err(self.job_damaged(&format!("is damaged: {error}"))),
-            Err(error) => return Err(Failure::reading(&path, error)),
-        };
-        if Known::read(&self.root)?.fit(JOB, &digest_of_bytes(&bytes)) == Fit::Differs {
-            let why = "was damaged or edited: it does not have the digest that it was written with";
-            return Err(self.job_damaged(why));
-        }
-        let text = String::from_utf8(bytes).map_err(|error| self.job_damaged(&format!("is damaged: {error}")))?;
-        Ok(Some(JobSource { path, text }))
-    }
-
-    /// That the frozen job is damaged, with the remedy.
-    fn job_damaged(&self, why: &str) -> Failure {
-        let path = self.path().join(JOB);
-        let (how, remedy) = self.how_to_write_job();
-        let text = format!("{} {why}. {how}; a job with other settings needs another directory", path.display());
-        Failure::InputOutput(text).coded(Code::Damaged).at(Place::file(&path)).remedied(remedy)
-    }
-
-    /// How a damaged job is written again, as a sentence, and the remedy that it names first.
-    fn how_to_write_job(&self) -> (String, String) {
-        let run = quoted(self.path());
-        let (words, remedy) = if self.root.open_file(SURFACE).is_ok() {
-            let verify = format!("stickslip verify {run}");
-            (format!("Write it again from the surface with `{verify}`, or submit"), verify)
-        } else {
-            ("Submit".to_owned(), format!("--out {run}"))
-        };
-        (format!("{words} the same job again with `--out {run}`"), remedy)
-    }
-
-    /// The frozen job of an existing run.
-    pub fn job(&self) -> Result<Job, Failure> {
-        match self.job_source()? {
-            Some(source) => source.job().map_err(|refused| {
-                let message = refused.message();
-                let (how, remedy) = self.how_to_write_job();
-                let text = format!("{}\nIf this file of the run was damaged or edited: {how}", message.text);
-                Failure::Job(text).coded(message.code).at(message.place.unwrap_or_default()).remedied(remedy)
-            }),
-            None => Err(Failure::InputOutput(format!("{} has no job.toml", self.path().display()))),
-        }
-    }
-
-    /// The job in the footer of the surface, if that is as it was written and all pieces belong to it.
-    pub fn job_of_surface(&self) -> Option<(JobSource, Job)> {
-        let digest = digest_of_file(self.root.open_file(SURFACE).ok()?).ok()?;
-        if Known::read(&self.root).ok()?.fit(SURFACE, &digest) == Fit::Differs {
-            return None;
-        }
-        let surface = self.root.open_file(SURFACE).ok()?;
-        let text = text_of_key(&surface, JOB_KEY)?;
-        let source = JobSource { path: self.surface(), text };
-        let job = source.job().ok()?;
-        let is_whole = text_of_key(&surface, JOB_HASH_KEY)? == job.hash();
-        // A run that was extended has the surface of the job before until it is finished, and pieces beyond that job.
-        (is_whole && self.tally(&job).is_ok()).then_some((source, job))
-    }
-
-    /// Whether the frozen job is `refused` as damaged, and this one can take its place as where it is lost: all pieces belong
-    /// to it, and the surface if there is one.
-    pub fn takes_place_of_damaged(&self, refused: &Failure, job: &Job) -> bool {
-        if !matches!(refused.message().code, Code::Damaged | Code::JobSpec) {
-            return false;
-        }
-        let surface = self.root.open_file(SURFACE).ok().and_then(|file| text_of_key(&file, JOB_KEY));
-        let of_surface = surface.and_then(|text| JobSource { path: self.surface(), text }.job().ok());
-        of_surface.is_none_or(|other| other.experiment_hash() == job.experiment_hash()) && self.tally(job).is_ok()
-    }
-
-    /// Freezes the job, in place of the one before if there is one. This process must work alone.
-    pub fn freeze(&self, source: &JobSource, job: &Job) -> Result<(), Failure> {
-        self.publish(JOB, source.frozen(job).as_bytes())
-    }
-
-    /// Freezes the job, unless another process has just frozen one where no lock keeps it out; returns false then.
-    pub fn freeze_first(&self, source: &JobSource, job: &Job) -> Result<bool, Failure> {
-        let text = source.frozen(job);
-        self.expect(JOB, &digest_of_bytes(text.as_bytes()))?;
-        let path = self.path().join(JOB);
-        self.root.publish_first(JOB, text.as_bytes()).map_err(|error| Failure::writing(&path, error))
     }
 
     /// Removes the unfinished files of killed processes, if no other process can be at work here.

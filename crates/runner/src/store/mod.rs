@@ -28,6 +28,8 @@ pub mod searches;
 
 pub mod directory;
 
+mod frozen_job;
+
 pub mod provenance;
 
 pub mod sharing;
