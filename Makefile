@@ -192,6 +192,7 @@ docs-pictures:
 	$(STICKSLIP) plot jobs/hulten.toml --of squeal-frequencies --cell 16 --out docs/figures/squeal-frequencies.svg
 	$(STICKSLIP) reduce jobs/own-brake.toml --vectors 120 --out target/pictures/own-brake-120.toml >/dev/null
 	$(STICKSLIP) plot target/pictures/own-brake-120.toml --of modes --along friction --cell 3 --out docs/figures/own-brake-modes.svg
+	$(STICKSLIP) plot target/pictures/own-brake-120.toml --of squeal-frequencies --cell 0 --out docs/figures/own-brake-frequencies.svg
 	for name in $(FIGURES); do cp "target/pictures/$$name/$$name.svg" docs/figures/ || exit 1; done
 
 # Runs a job in jobs/ and draws its surface in docs/.
