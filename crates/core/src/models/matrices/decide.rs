@@ -72,19 +72,11 @@ impl<'a> Decider<'a> {
             if unsure.is_empty() {
                 return Some((false, Way::Series));
             }
+            // The least damped first: often it is unstable, and no other is asked for.
+            unsure.sort_by(|a, b| damping_ratio(a.eigenvalue).total_cmp(&damping_ratio(b.eigenvalue)));
             let problem = self.problem.at(coefficients);
-            if let Some(pairs) = vector_pairs(series, &problem, &monomials, &unsure) {
-                let told: Vec<Option<bool>> = pairs.iter().map(|pair| self.sure(pair.eigenvalue, pair.error)).collect();
-                if told.contains(&Some(true)) {
-                    return Some((true, Way::Vectors));
-                }
-                let is_known = |i: usize| told[i].is_some() && !is_another(&pairs, i);
-                let way = if (0..pairs.len()).all(is_known) { Way::Vectors } else { Way::Refined };
-                if let Some(settled) = settled(&problem, &pairs, &unsure, &sure, is_known) {
-                    // What the vectors have told is stable; their eigenvalues are not exact.
-                    let mut refined = settled.into_iter().enumerate().filter(|(i, _)| !is_known(*i));
-                    return Some((refined.any(|(_, value)| self.contains(value)), way));
-                }
+            if let Some(told) = self.by_vectors(&problem, series, &monomials, &unsure, &sure) {
+                return Some(told);
             }
         }
         let problem = self.problem.at(coefficients);
@@ -93,6 +85,34 @@ impl<'a> Decider<'a> {
         }
         let all = problem.eigenvalues().ok()?;
         Some((all.iter().any(|value| self.contains(*value)), Way::All))
+    }
+
+    /// Whether one of the followed modes that the series does not tell is unstable, by its vectors or by refining it; `None`
+    /// where the modes cannot be kept apart.
+    fn by_vectors(
+        &self,
+        problem: &Quadratic,
+        series: &ModeSeries,
+        monomials: &Monomials,
+        unsure: &[Followed],
+        sure: &[Followed],
+    ) -> Option<(bool, Way)> {
+        let (mut pairs, mut told) = (Vec::with_capacity(unsure.len()), Vec::with_capacity(unsure.len()));
+        for mode in unsure {
+            let pair = series.pair(problem, monomials, mode)?;
+            let is_unstable = self.sure(pair.eigenvalue, pair.error);
+            if is_unstable == Some(true) {
+                return Some((true, Way::Vectors));
+            }
+            pairs.push(pair);
+            told.push(is_unstable);
+        }
+        let is_known = |i: usize| told[i].is_some() && !is_another(&pairs, i);
+        let way = if (0..pairs.len()).all(is_known) { Way::Vectors } else { Way::Refined };
+        let settled = settled(problem, &pairs, unsure, sure, is_known)?;
+        // What the vectors have told is stable; their eigenvalues are not exact.
+        let mut refined = settled.into_iter().enumerate().filter(|(i, _)| !is_known(*i));
+        Some((refined.any(|(_, value)| self.contains(value)), way))
     }
 
     /// Whether a sample is unstable by eigenvalues whose last bits depend on the processor; `None` for small problems, for
