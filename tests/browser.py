@@ -159,7 +159,7 @@ def check_two(page, name):
     assert len(seen) == 3, seen
     surely = ((differences.difference_low > 0).sum(), (differences.difference_high < 0).sum())
     answer = page.inner_text("#answer")
-    found = re.search(r"surely larger than that of drawn in (\d+), and surely smaller in (\d+)", answer)
+    found = re.search(r"is larger than that of drawn in (\d+), and smaller in (\d+)", answer)
     assert tuple(map(int, found.groups())) == surely and max(surely) > 0, (found, surely)
     strokes = page.locator("#map .scatterlayer .trace").first.locator("path.point").count()
     assert strokes == len(differences) - sum(surely), strokes

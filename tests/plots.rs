@@ -419,3 +419,25 @@ fn what_cannot_be_drawn_is_said() {
     fs::write(place.path("plane/surface.parquet"), "no Parquet").unwrap();
     place.run("plot plane").refused(74, &["plane/surface.parquet is damaged", "stickslip verify plane"]);
 }
+
+#[test]
+fn few_values_along_an_axis_are_tiles() {
+    let place = Place::new();
+    let axes = "rotating_speed = 15.0\npreload = [0.05, 0.1, 0.25]\nstatic_friction = [0.3, 0.4]";
+    submitted(&place, "few", &job("few", axes, 200));
+    place.run("plot few").done();
+    let svg = fs::read_to_string(place.path("few/surface.svg")).unwrap();
+    assert!(svg.contains("samples (12.67 %, in one cell up to 24.50 %) lie outside the model"));
+    // No line of a level between cells, and each colour of a tile ends half way between two values.
+    assert!(!svg.contains("stroke=\"#1a1a1a\" stroke-width=\"1\""), "a line between the cells");
+    let paths = svg.split("<path d=\"").skip(1).map(|path| path.split('>').next().unwrap());
+    let mut ends: Vec<i64> = paths
+        .filter(|path| path.contains("fill=\"#") && !path.contains("fill=\"none\""))
+        .flat_map(|path| extent(path.split('"').next().unwrap()))
+        .map(|end| (100.0 * end).round() as i64)
+        .filter(|end| *end < 57_000)
+        .collect();
+    ends.sort_unstable();
+    ends.dedup();
+    assert_eq!(ends.len(), 3, "the left, the middle and the right of the panel: {ends:?}");
+}

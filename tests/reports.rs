@@ -5,6 +5,7 @@
 mod common;
 
 use std::fs;
+use std::time::{Duration, SystemTime};
 
 use common::{Place, Table, named_by, python_agrees, submitted};
 use serde_json::Value;
@@ -328,4 +329,157 @@ fn the_answer_is_that_of_the_exact_surface() {
         }
         assert_eq!(exactly[3], 2 * 15 * 12);
     }
+}
+
+/// Probabilities that are integrated, over speed and preload.
+const INTEGRATED: &str = r#"
+name = "integrated"
+[axes]
+rotating_speed = { from = 8.0, to = 16.0, points = 33 }
+preload = { from = 0.010, to = 0.050, points = 9 }
+static_friction = 0.39
+[random]
+inputs = ["static_friction"]
+relative_std = 0.20
+[criterion]
+kind = "eigenvalue"
+[sampling]
+method = "exact"
+"#;
+
+/// The points of the lines of an SVG that are drawn in black, one pixel wide, in shares of the box of its areas.
+fn drawn_lines(svg: &str) -> Vec<[f64; 2]> {
+    let paths = || svg.split("<path d=\"").skip(1).map(|path| path.split('>').next().unwrap());
+    let points = |path: &str| -> Vec<[f64; 2]> {
+        let path = path.split('"').next().unwrap();
+        let numbers = path.split(|c: char| !c.is_ascii_digit() && !"-.".contains(c)).filter(|part| !part.is_empty());
+        let numbers: Vec<f64> = numbers.map(|number| number.parse().unwrap()).collect();
+        numbers.chunks(2).map(|pair| [pair[0], pair[1]]).collect()
+    };
+    // The areas of the palest colour fill the panel; after them comes its tile in the bar of colours.
+    let areas: Vec<[f64; 2]> = paths().filter(|path| path.contains("fill=\"#fd")).take(1).flat_map(points).collect();
+    let [left, right] = [f64::min, f64::max].map(|of| areas.iter().map(|point| point[0]).reduce(of).unwrap());
+    let [top, bottom] = [f64::min, f64::max].map(|of| areas.iter().map(|point| point[1]).reduce(of).unwrap());
+    let lines = paths().filter(|path| path.contains("stroke=\"#1a1a1a\" stroke-width=\"1\""));
+    let share = |[x, y]: [f64; 2]| [(x - left) / (right - left), (bottom - y) / (bottom - top)];
+    lines.flat_map(points).map(share).collect()
+}
+
+#[test]
+fn plot_and_report_draw_a_probability_where_the_limit_is() {
+    let place = Place::new();
+    submitted(&place, "integrated", INTEGRATED);
+    place.run("report integrated").done();
+    place.run("plot integrated").done();
+    let found = place.run("limit integrated.toml --of rotating_speed --probability 0.05 --json").done().stdout;
+    let limits = &serde_json::from_str::<Value>(&found).unwrap()["limits"];
+    let limits: Vec<(f64, f64)> = limits.as_array().unwrap().iter().filter_map(of_limit).collect();
+    assert!(limits.len() > 5, "{found}");
+
+    // In the report, lines have a point at every preload.
+    let data = data(&fs::read_to_string(place.path("integrated/report.html")).unwrap());
+    let lines = data["runs"][0]["lines"].as_array().unwrap();
+    let of_level = lines.iter().filter(|line| line["level"] == 0.05);
+    let points: Vec<(f64, f64)> = of_level
+        .flat_map(|line| {
+            let numbers = |axis: &str| {
+                let values = line[axis].as_array().unwrap();
+                values.iter().map(|value| value.as_f64().unwrap()).collect::<Vec<f64>>()
+            };
+            numbers("x").into_iter().zip(numbers("y"))
+        })
+        .collect();
+    let svg = fs::read_to_string(place.path("integrated/surface.svg")).unwrap();
+    let drawn: Vec<[f64; 2]> =
+        drawn_lines(&svg).iter().map(|[right, up]| [0.01 + 0.04 * right, 8.0 + 8.0 * up]).collect();
+    let mut beside = 0;
+    for &(preload, speed) in &limits {
+        let at_preload = points.iter().filter(|point| (point.0 - preload).abs() < 1e-9);
+        let nearest = at_preload.map(|point| (point.1 - speed).abs()).fold(f64::INFINITY, f64::min);
+        // The speeds of the grid are 0.25 rad/s apart.
+        assert!(nearest < 0.005, "the report has 5 % at {preload} off by {nearest} rad/s");
+        // The line of a plot has a gap for its label, and is written with hundredths of a pixel.
+        let at_preload = drawn.iter().filter(|point| (point[0] - preload).abs() < 3e-5);
+        beside += usize::from(at_preload.map(|point| (point[1] - speed).abs()).any(|off| off < 0.01));
+    }
+    assert!(beside + 1 >= limits.len(), "the plot has 5 % at {beside} of {} limits", limits.len());
+}
+
+/// The preload and the speed of a limit, if there is one.
+fn of_limit(row: &Value) -> Option<(f64, f64)> {
+    Some((row["preload"].as_f64()?, row["limit"].as_f64()?))
+}
+
+#[test]
+fn a_report_says_what_its_numbers_rest_on() {
+    let place = Place::new();
+    submitted(&place, "three", JOB);
+    place.run("report three").done();
+    let page = fs::read_to_string(place.path("three/report.html")).unwrap();
+    let open = &page[..page.find("<section aria-labelledby=\"job-heading\"").unwrap()];
+    let table = Table::read(&place.path("three/surface.parquet"));
+    let outside = table.column("n_outside_physics");
+    let all: f64 = outside.iter().sum();
+    assert!(all > 0.0);
+    for text in [
+        &format!("({:.2} %, in one cell up to", 100.0 * all / (540.0 * 2000.0)),
+        "lie outside the model: preload at or below 0, or f_s &lt; f_c; they count as stable",
+        "<dt>Scatter</dt><dd >relative std: preload 0.2, friction 0.2</dd>",
+        "<dt>Criterion</dt><dd >kind = &quot;eigenvalue&quot;</dd>",
+        "samples = 2000, seed = 1</dd>",
+        "preload 0.02 to 0.3 (displacement 0.4 to 6 mm), 15 values",
+        "expected contact force on a rigid disc: 7.019 kN to 105.3 kN",
+        "<dt>Interval</dt><dd >95 % interval</dd>",
+        ", by submit</dd>",
+    ] {
+        assert!(open.contains(text), "{text}: {open}");
+    }
+    // What the map marks.
+    let shown = &data(&page)["runs"][0]["apart"]["outside"];
+    for (cell, count) in outside.iter().enumerate() {
+        assert!((shown[cell].as_f64().unwrap() - count / 2000.0).abs() < 1e-9, "{cell}");
+    }
+}
+
+#[test]
+fn a_run_without_scatter_has_verdicts_and_no_probabilities() {
+    let place = Place::new();
+    let job = JOB.replace("[random]\ninputs = [\"preload\", \"static_friction\"]\nrelative_std = 0.2\n", "");
+    submitted(&place, "three", &job.replace("samples = 2000\nseed = 1\n", ""));
+    place.run("report three").done();
+    let page = fs::read_to_string(place.path("three/report.html")).unwrap();
+    assert!(page.contains("<h2 id=\"map-heading\">Verdict of each cell</h2>") && !page.contains("<dt>Interval</dt>"));
+    let run = &data(&page)["runs"][0];
+    let verdicts = &run["verdicts"];
+    assert_eq!(run["lines"], Value::Array(Vec::new()));
+    let table = Table::read(&place.path("three/surface.parquet"));
+    for (cell, p) in table.column("p_unstable").iter().enumerate() {
+        let name = &verdicts["names"][verdicts["of_cells"][cell].as_u64().unwrap() as usize];
+        assert_eq!(name, if *p == 1.0 { "unstable" } else { "stable" }, "{cell}");
+    }
+}
+
+#[test]
+fn what_shows_an_earlier_surface_is_named() {
+    let place = Place::new();
+    let job = DRAWN.replace("samples = 400\nsensitivity = true", "samples = 100");
+    submitted(&place, "drawn", &job);
+    place.run("report drawn").done();
+    place.run("plot drawn").done();
+    let now = place.run("status drawn").done().stdout;
+    assert!(!now.contains("older"), "{now}");
+    let long_ago = SystemTime::now() - Duration::from_secs(3600);
+    for name in ["report.html", "surface.svg", "surface.png"] {
+        let file = fs::File::options().write(true).open(place.path(&format!("drawn/{name}"))).unwrap();
+        file.set_modified(long_ago).unwrap();
+    }
+    let line = "report.html, surface.png, surface.svg are older than the surface; make them again with `stickslip report drawn` and `stickslip plot drawn`\n";
+    let extended = place.run("submit drawn.toml --out drawn --samples 200").done().stdout;
+    assert!(extended.ends_with(line), "{extended}");
+    assert!(place.run("status drawn").done().stdout.ends_with(line));
+    let checked = place.run("verify drawn").done().stdout;
+    assert!(checked.contains("surface.png: older than the surface, which it does not show\n"), "{checked}");
+    place.run("report drawn").done();
+    place.run("plot drawn").done();
+    assert!(!place.run("status drawn").done().stdout.contains("older"));
 }

@@ -8,11 +8,13 @@ use stickslip_sampler::estimate::weighted::Distrust;
 
 use crate::evaluate::sums::Lookups;
 use crate::failure::Failure;
-use crate::job::{Computed, Job, MapUse, OutsidePhysics};
+use crate::job::{Computed, Job, MapUse};
 use crate::output::{counted, result, shown, wrapped};
 use crate::picture::answer::answer;
+use crate::picture::exceptions::Exceptions;
 use crate::picture::picture;
 use crate::store::directory::RunDirectory;
+use crate::store::outdated;
 use crate::tables::row::SurfaceRow;
 use crate::tables::surface::Surface;
 
@@ -24,11 +26,11 @@ pub fn report(directory: &RunDirectory, job: &Job, surface: &Surface<'_>, limits
     let summary = Summary::new(surface);
     let line = closing_line(&directory.surface(), job, &summary) + limits.unwrap_or_default();
     let notes = [
-        outside_physics(job, &summary),
-        without_verdict(&summary),
+        summary.exceptions.sentences(job).into_iter().map(|sentence| sentence + "\n").collect(),
         looked_up(job, &summary),
         distrusted(job, &summary),
         job.reduction().map_or_else(String::new, |reduction| reduction.sentence() + "\n"),
+        outdated::line(&outdated::outdated(directory), directory.path()),
     ]
     .concat();
     result(&format!("{}{}{line}{notes}", picture(surface), wrapped(&answer(job, &summary.estimates))))?;
@@ -54,12 +56,7 @@ struct Summary {
     lookups: Lookups,
     /// What was computed.
     computed: Computed,
-    /// Samples that are undecided, failed and outside physics.
-    undecided: u64,
-    failed: u64,
-    outside_physics: u64,
-    /// The largest share of a cell's samples that is outside physics.
-    outside_of_a_cell: f64,
+    exceptions: Exceptions,
     /// In how many cells the estimate is not to be trusted, where samples have weights, by reason.
     distrusted: [u64; 4],
     /// The largest share of wrong looked-up verdicts of a cell that its audit does not exclude.
@@ -72,10 +69,7 @@ impl Summary {
             estimates: Vec::with_capacity(surface.job().cells() as usize),
             lookups: surface.lookups(),
             computed: Computed { samples: 0, evaluations: 0.0, error: 0.0, undecided: surface.largest_undecided() },
-            undecided: 0,
-            failed: 0,
-            outside_physics: 0,
-            outside_of_a_cell: 0.0,
+            exceptions: Exceptions::default(),
             distrusted: [0; 4],
             unaudited: 0.0,
         };
@@ -89,11 +83,7 @@ impl Summary {
                 Some(Distrust::WithoutVerdict) => summary.distrusted[3] += 1,
             }
             summary.computed.samples += u128::from(counts.total());
-            summary.undecided += counts.undecided;
-            summary.failed += counts.failed;
-            summary.outside_physics += outside_physics;
-            let outside = outside_physics as f64 / counts.total().max(1) as f64;
-            summary.outside_of_a_cell = summary.outside_of_a_cell.max(outside);
+            summary.exceptions.add(counts.total(), counts.undecided, counts.failed, outside_physics);
             summary.unaudited = summary.unaudited.max(unaudited.unwrap_or(0.0));
             let error = 0.5 * (estimate.high - estimate.low) - unaudited.unwrap_or(0.0);
             summary.computed.error = summary.computed.error.max(error);
@@ -152,47 +142,6 @@ fn distrusted(job: &Job, summary: &Summary) -> String {
         }
     }
     text
-}
-
-/// A line on samples outside physics, if there are any.
-fn outside_physics(job: &Job, summary: &Summary) -> String {
-    let outside = summary.outside_physics;
-    if outside == 0 {
-        return String::new();
-    }
-    let share = |share: f64| format!("{:.2} %", 100.0 * share);
-    format!(
-        "{} samples ({}, in one cell up to {}) lie outside the model: {}; {}\n",
-        HumanCount(outside),
-        share(outside as f64 / summary.computed.samples as f64),
-        share(summary.outside_of_a_cell),
-        job.model().outside_meaning(),
-        match job.outside_physics {
-            OutsidePhysics::Stable if !job.model().sources().is_empty() => {
-                "they are decided as they are, see criterion.outside_physics"
-            }
-            OutsidePhysics::Stable => "they count as stable, see criterion.outside_physics",
-            OutsidePhysics::Failed => "they count as failed",
-            OutsidePhysics::Clamp => "they are moved to its edge",
-        }
-    )
-}
-
-/// A line on undecided and failed samples, if there are any.
-fn without_verdict(summary: &Summary) -> String {
-    let Summary { undecided, failed, .. } = *summary;
-    match (undecided, failed) {
-        (0, 0) => String::new(),
-        _ => format!(
-            "{} undecided, {} failed; p_low and p_high allow for either verdict on them\n",
-            count_of_samples(undecided.into()),
-            HumanCount(failed)
-        ),
-    }
-}
-
-fn count_of_samples(count: u128) -> String {
-    counted(count, "sample", "samples")
 }
 
 fn closing_line(path: &Path, job: &Job, summary: &Summary) -> String {

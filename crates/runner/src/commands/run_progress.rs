@@ -12,6 +12,7 @@ use crate::job::Job;
 use crate::output::quoted;
 use crate::store::directory::RunDirectory;
 use crate::store::file_state::FileState;
+use crate::store::outdated::{line, outdated};
 use crate::store::sharing::Sharing;
 use crate::store::tally::Tally;
 use crate::tables::surface::Surface;
@@ -35,6 +36,8 @@ pub struct RunProgress {
     pub probability: Option<(f64, u64)>,
     /// How far its shards are, if their number is known.
     pub shards: Option<ShardProgress>,
+    /// Reports and pictures of an earlier surface.
+    pub outdated: Vec<String>,
 }
 
 impl RunProgress {
@@ -86,6 +89,7 @@ impl RunProgress {
             share,
             audited,
             differed,
+            outdated: outdated(directory),
         })
     }
 
@@ -112,6 +116,7 @@ impl RunProgress {
             "samples_audited": self.audited,
             "samples_audit_differed": self.differed,
             "shards": self.shards.as_ref().map(ShardProgress::json),
+            "outdated": self.outdated,
             "surface": self.surface.as_ref().map(|surface| surface.display().to_string()),
             "job_hash": self.job.hash(),
         })
@@ -143,7 +148,7 @@ impl RunProgress {
         let shards = self.shards.as_ref().filter(|_| self.surface.is_none());
         let shards = shards.map_or(String::new(), |shards| format!("\n{}", shards.text()));
         format!(
-            "{}: {}, {:.1} % ({} of {}{} samples, {} of {} cells complete){remarks}{shards}{next}\n",
+            "{}: {}, {:.1} % ({} of {}{} samples, {} of {} cells complete){remarks}{shards}{next}\n{}",
             self.job.name,
             self.state,
             self.percent(),
@@ -151,7 +156,8 @@ impl RunProgress {
             if self.job.stops_by_precision() { "at most " } else { "" },
             self.samples_total,
             self.complete_cells,
-            self.job.cells()
+            self.job.cells(),
+            line(&self.outdated, run)
         )
     }
 }

@@ -21,6 +21,7 @@ use crate::store::file_state::FileState;
 use crate::store::layout::{AUDITS, JOB, LIMITS, MAPS, RECORD, SEARCHES, SHARDS, SURFACE, WITH_DIGESTS};
 use crate::store::lock::Access;
 use crate::store::map_pieces;
+use crate::store::outdated::outdated;
 use crate::store::piece::{Defect, is_piece_name, read_checked};
 use crate::store::provenance::is_record;
 use crate::tables::surface::Surface;
@@ -140,6 +141,9 @@ impl Check<'_> {
         self.surface(&job)?;
         self.lost(&job)?;
         self.limits(&job)?;
+        for name in outdated(self.directory) {
+            self.find(&name, State::Sound, "older than the surface, which it does not show");
+        }
         self.record();
         if self.can_repair {
             self.write_digests()?;

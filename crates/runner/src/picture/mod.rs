@@ -20,6 +20,8 @@ pub mod chart;
 
 pub mod terminal;
 
+pub mod exceptions;
+
 pub mod answer;
 
 /// Largest number of rows and columns of a picture; larger grids are thinned out.

@@ -93,6 +93,15 @@ impl Scale {
         }
     }
 
+    /// The value at a place: the inverse of [`Scale::at`].
+    pub fn value(&self, at: f64) -> f64 {
+        if self.is_logarithmic {
+            self.from * libm::exp(at * libm::log(self.to / self.from))
+        } else {
+            self.from + at * (self.to - self.from)
+        }
+    }
+
     /// At most `most` ticks at round values, and the power of ten that their labels are to be multiplied with.
     pub fn ticks(&self, most: usize) -> (Vec<Tick>, i32) {
         if self.is_logarithmic {

@@ -8,6 +8,9 @@ use crate::picture::title::title;
 /// Largest number of slices that a plot draws, each as a panel.
 pub const MOST_PANELS: usize = 60;
 
+/// The least number of values of an axis between which a picture interpolates.
+const LEAST_VALUES: usize = 5;
+
 /// An axis of a grid, as a picture names it.
 pub struct ViewAxis {
     /// Name, with its unit where it is not a pure number.
@@ -211,6 +214,12 @@ impl GridView {
         self.values_of(cell, |axis| !is_of_pair(axis)).join(", ")
     }
 
+    /// Whether one of two axes that are shown has so few values that a picture should not say what is between them.
+    pub fn is_coarse(&self) -> bool {
+        let shown = [self.vertical(), self.horizontal()].into_iter().flatten();
+        self.vertical.is_some() && shown.map(|axis| axis.values.len()).min().is_some_and(|least| least < LEAST_VALUES)
+    }
+
     fn is_shown(&self, axis: usize) -> bool {
         [self.vertical, self.horizontal].contains(&Some(axis))
     }
@@ -258,7 +267,12 @@ impl Slice<'_> {
 
 /// How much the inputs of a cell scatter.
 pub fn scatter(job: &Job, cell: u64) -> String {
-    let stds = &job.random.relative_stds[job.grid.cell(cell).scatter];
+    scatter_of_entry(job, job.grid.cell(cell).scatter)
+}
+
+/// How much the inputs scatter with an entry of `relative_std`.
+pub fn scatter_of_entry(job: &Job, entry: usize) -> String {
+    let stds = &job.random.relative_stds[entry];
     let (mut relative, mut absolute) = (Vec::new(), Vec::new());
     for (position, &std) in stds.iter().enumerate().filter(|(_, std)| **std > 0.0) {
         // The standard deviation of measured values has many digits.

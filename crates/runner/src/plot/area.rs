@@ -2,8 +2,9 @@
 
 use crate::job::Job;
 use crate::picture::view::{GridView, MOST_PANELS, Slice, ViewAxis};
-use crate::plot::axes::axis;
+use crate::plot::axes::{axis, axis_of_cells};
 use crate::plot::canvas::{BLACK, Canvas, GREY, Pen, Place, Rgb, Side, width_of};
+use crate::plot::cells::edges_of;
 use crate::plot::contours::Field;
 use crate::plot::panel::{ABOVE, Arrangement, Axis, Layout, Panel, RIGHT, SMALL, heading, space_of, write_notes};
 
@@ -57,6 +58,13 @@ pub struct AreaPanel<'a> {
     pub cells: &'a [usize],
 }
 
+impl AreaPanel<'_> {
+    /// Where values on the axis to the right and on the axis upwards lie.
+    pub fn place(&self, [right, up]: [f64; 2]) -> Place {
+        self.panel.place(self.horizontal.scale.at(right), self.vertical.scale.at(up))
+    }
+}
+
 impl Area<'_> {
     /// The figure, with a panel for each combination of the axes that are not shown. `lines` draws what lies on the
     /// colours.
@@ -84,6 +92,9 @@ impl Area<'_> {
         slice: Slice<'_>,
         lines: &impl Fn(&mut Canvas, &AreaPanel<'_>),
     ) {
+        // Where little is known between the cells, each is a tile.
+        let is_tiled = self.view.is_coarse();
+        let axis = if is_tiled { axis_of_cells } else { axis };
         let (horizontal, vertical) = (axis(self.horizontal), axis(self.vertical));
         let [across, along] = [self.horizontal, self.vertical].map(|axis| drawn_values(axis.values.len()));
         let columns: Vec<f64> = across
@@ -98,7 +109,13 @@ impl Area<'_> {
         let field = Field { columns: &columns, rows: &rows, values: &values };
         let floors = [f64::NEG_INFINITY].into_iter().chain(self.levels.iter().map(|level| level.value));
         for (floor, &colour) in floors.zip(&self.colours) {
-            canvas.area(&field.at_least(floor), colour, 1.0);
+            if is_tiled {
+                let at_least = |i: &usize| values[*i].is_some_and(|value| value >= floor);
+                let tiles = (0..values.len()).filter(at_least).map(|i| tile(panel, &columns, &rows, i));
+                canvas.mosaic(&tiles.collect::<Vec<_>>(), colour);
+            } else {
+                canvas.area(&field.at_least(floor), colour, 1.0);
+            }
         }
         self.hatch(canvas, panel, &columns, &rows, &cells);
         let drawn = AreaPanel { panel: *panel, slice, horizontal, vertical, field, cells: &cells };
@@ -113,10 +130,8 @@ impl Area<'_> {
             if !self.is_hatched[cell] {
                 continue;
             }
-            let (up, right) = (i / columns.len(), i % columns.len());
-            let (xs, ys) = (around(columns, right), around(rows, up));
-            let (left, right) = (xs[0].min(xs[1]).max(panel.left), xs[0].max(xs[1]).min(panel.right()));
-            let (top, bottom) = (ys[0].min(ys[1]), ys[0].max(ys[1]));
+            let corners = tile(panel, columns, rows, i);
+            let ((left, top), (right, bottom)) = (corners[0], corners[2]);
             // Lines x + y = constant, the same ones in all cells.
             let mut sum = ((left + top) / HATCH_DISTANCE).ceil() * HATCH_DISTANCE;
             while sum < right + bottom {
@@ -152,17 +167,15 @@ pub fn step_of(values: usize) -> usize {
 }
 
 /// Which of so many values of an axis are drawn: both ends, and those between them in steps.
-fn drawn_values(values: usize) -> Vec<usize> {
+pub fn drawn_values(values: usize) -> Vec<usize> {
     let last = values.saturating_sub(1);
     (0..last).step_by(step_of(values).max(1)).chain([last]).collect()
 }
 
-/// The middles between a place and its neighbours; the place itself where it has none.
-fn around(places: &[f64], i: usize) -> [f64; 2] {
-    [-1, 1].map(|by| {
-        let other = i.checked_add_signed(by).and_then(|other| places.get(other));
-        other.map_or(places[i], |other| 0.5 * (places[i] + other))
-    })
+/// The rectangle about a point of a grid, half way to its neighbours, as far as it lies inside a panel.
+fn tile(panel: &Panel, columns: &[f64], rows: &[f64], i: usize) -> Vec<Place> {
+    let (xs, ys) = (edges_of(columns, i % columns.len()), edges_of(rows, i / columns.len()));
+    panel.rectangle((xs[0].min(xs[1]), ys[0].min(ys[1])), (xs[0].max(xs[1]), ys[0].max(ys[1])))
 }
 
 /// A line whose points are no farther from each other than this.

@@ -53,7 +53,7 @@ struct Axes {
 }
 
 /// What the regions are called.
-fn names(model: &dyn Model) -> [&'static str; 5] {
+pub fn names(model: &dyn Model) -> [&'static str; 5] {
     let [stable, unstable] = model.verdict_names();
     [stable, unstable, "undecided", "failed", "samples differ"]
 }
@@ -93,21 +93,23 @@ fn regions(
     regions
 }
 
-/// The edges of cells about their places: half way to the neighbours, and as far at the ends.
+/// The edges of cells about their places.
 fn edges(places: &[f64]) -> Vec<[f64; 2]> {
-    let edge = |i: usize, by: isize| {
-        let neighbour = |by: isize| i.checked_add_signed(by).and_then(|other| places.get(other));
-        match (neighbour(by), neighbour(-by)) {
-            (Some(other), _) => 0.5 * (places[i] + other),
-            (None, Some(other)) => places[i] - 0.5 * (other - places[i]),
-            (None, None) => places[i],
-        }
-    };
-    (0..places.len()).map(|i| [edge(i, -1), edge(i, 1)]).collect()
+    (0..places.len()).map(|i| edges_of(places, i)).collect()
+}
+
+/// The edges of the cell about a place: half way to its neighbours, and as far where it has none.
+pub fn edges_of(places: &[f64], i: usize) -> [f64; 2] {
+    let neighbour = |by: isize| i.checked_add_signed(by).and_then(|other| places.get(other));
+    [-1, 1].map(|by| match (neighbour(by), neighbour(-by)) {
+        (Some(other), _) => 0.5 * (places[i] + other),
+        (None, Some(other)) => places[i] - 0.5 * (other - places[i]),
+        (None, None) => places[i],
+    })
 }
 
 /// The verdict of a cell.
-fn of_cell(values: &Values, cell: usize) -> Region {
+pub fn of_cell(values: &Values, cell: usize) -> Region {
     let Values { samples, unstable, undecided, failed, .. } = values;
     region(values.probability[cell], [samples, unstable, undecided, failed].map(|counts| counts[cell]))
 }

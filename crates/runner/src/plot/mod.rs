@@ -29,6 +29,8 @@ pub mod regions;
 
 pub mod cells;
 
+pub mod level_lines;
+
 pub mod limit_lines;
 
 pub mod surface;

@@ -23,6 +23,16 @@ const KINDS: usize = 5;
 const COLOURS: [Rgb; KINDS] =
     [(0xb3, 0xd9, 0xf2), (0xdf, 0x82, 0x44), (0x99, 0x99, 0x99), (0x1a, 0x1a, 0x1a), (0xf0, 0xe4, 0x42)];
 
+impl Region {
+    /// All kinds, in their order.
+    pub const ALL: [Self; KINDS] = [Self::Stable, Self::Unstable, Self::Undecided, Self::Failed, Self::Open];
+
+    /// Its colour.
+    pub fn colour(self) -> Rgb {
+        COLOURS[self as usize]
+    }
+}
+
 impl From<Verdict> for Region {
     fn from(verdict: Verdict) -> Self {
         match verdict {

@@ -8,6 +8,7 @@ use crate::plot::area::{Area, AreaPanel, LINE, Level, labelled_line};
 use crate::plot::canvas::{BLACK, Canvas, Pen, Place, Rgb, WHITE};
 use crate::plot::curves::Curves;
 use crate::plot::form::Form;
+use crate::plot::level_lines::level_lines;
 use crate::plot::levels::{Levels, deviate, label};
 use crate::plot::limit_lines::{LimitLine, lines, note, target_label};
 use crate::plot::panel::Axis;
@@ -40,7 +41,11 @@ pub fn figure(values: &Values, width: f64) -> Option<Canvas> {
                 high,
                 vertical,
                 has_zero: false,
-                notes: blank_note(values).map(str::to_owned).into_iter().collect(),
+                notes: blank_note(values)
+                    .map(str::to_owned)
+                    .into_iter()
+                    .chain(values.exceptions().sentences(&values.job))
+                    .collect(),
             };
             Some(curves.figure(width))
         }
@@ -58,13 +63,24 @@ pub fn figure(values: &Values, width: f64) -> Option<Canvas> {
             let limits_note = values.limits.as_ref().filter(|_| has_limits).map(note);
             let is_wide = |(low, high): (&f64, &f64)| levels.band(*high) > levels.band(*low) + 1;
             let known = values.probability.iter().map(Option::is_some);
+            let is_hatched: Vec<bool> =
+                values.low.iter().zip(&values.high).map(is_wide).zip(known).map(|(a, b)| a && b).collect();
+            let hatching = "hatched: the interval reaches beyond the neighbouring colours";
             let area = Area {
                 job: &values.job,
                 view: &view,
                 vertical,
                 horizontal,
                 values: values.probability.iter().map(|p| p.map(deviate)).collect(),
-                is_hatched: values.low.iter().zip(&values.high).map(is_wide).zip(known).map(|(a, b)| a && b).collect(),
+                notes: boundary_note
+                    .into_iter()
+                    .chain(is_hatched.contains(&true).then_some(hatching))
+                    .chain(blank_note(values))
+                    .map(str::to_owned)
+                    .chain(limits_note)
+                    .chain(values.exceptions().sentences(&values.job))
+                    .collect(),
+                is_hatched,
                 levels: levels
                     .all()
                     .iter()
@@ -72,12 +88,6 @@ pub fn figure(values: &Values, width: f64) -> Option<Canvas> {
                     .collect(),
                 colours: (0..levels.bands()).map(|band| levels.colour(band)).collect(),
                 title: "Probability of instability",
-                notes: boundary_note
-                    .into_iter()
-                    .chain(blank_note(values))
-                    .map(str::to_owned)
-                    .chain(limits_note)
-                    .collect(),
             };
             let drawn_lines = |canvas: &mut Canvas, drawn: &AreaPanel<'_>| {
                 if has_boundary {
@@ -86,7 +96,7 @@ pub fn figure(values: &Values, width: f64) -> Option<Canvas> {
                 let limits = limits_of(&drawn.slice);
                 let mut labels = Vec::new();
                 limit_lines(canvas, &levels, &limits, drawn, &mut labels);
-                contour_lines(canvas, &levels, drawn, &limits, &mut labels);
+                contour_lines(canvas, values, &view, drawn, &limits, &mut labels);
             };
             Some(area.figure(width, drawn_lines))
         }
@@ -118,8 +128,7 @@ fn boundary(canvas: &mut Canvas, values: &Values, drawn: &AreaPanel<'_>, [from, 
     let mut line: Vec<Place> = Vec::new();
     for i in 0..=200 {
         let second = from + (to - from) * f64::from(i) / 200.0;
-        let (right, up) = (drawn.horizontal.scale.at(second), drawn.vertical.scale.at(boundary.critical_first(second)));
-        let place = drawn.panel.place(right, up);
+        let place = drawn.place([second, boundary.critical_first(second)]);
         if drawn.panel.contains(place) {
             line.push(place);
         }
@@ -130,14 +139,17 @@ fn boundary(canvas: &mut Canvas, values: &Values, drawn: &AreaPanel<'_>, [from, 
 /// Lines at some of the levels, with their labels; not at those that are targets of limits.
 fn contour_lines(
     canvas: &mut Canvas,
-    levels: &Levels,
+    values: &Values,
+    view: &GridView,
     drawn: &AreaPanel<'_>,
     limits: &[LimitLine],
     labels: &mut Vec<Place>,
 ) {
+    let levels = Levels::up_to(values.largest());
     for &level in levels.lines().iter().filter(|level| limits.iter().all(|line| line.target != **level)) {
-        let ink = ink_at(levels, level);
-        for line in drawn.field.on(deviate(level)) {
+        let ink = ink_at(&levels, level);
+        for line in level_lines(&values.probability, view, &drawn.slice, level) {
+            let line: Vec<Place> = line.iter().map(|point| drawn.place(*point)).collect();
             labelled_line(canvas, &drawn.panel, &line, &label(level), (Pen::new(ink, LINE), ink), labels);
         }
     }
@@ -157,9 +169,7 @@ fn limit_lines(
     labels: &mut Vec<Place>,
 ) {
     for LimitLine { target, points, .. } in limits {
-        let place =
-            |[right, up]: &[f64; 2]| drawn.panel.place(drawn.horizontal.scale.at(*right), drawn.vertical.scale.at(*up));
-        let points: Vec<Place> = points.iter().map(place).collect();
+        let points: Vec<Place> = points.iter().map(|point| drawn.place(*point)).collect();
         match points[..] {
             [only] => canvas.dot(only, 2.0, RED),
             _ => {

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use crate::failure::Failure;
 use crate::job::Job;
+use crate::picture::exceptions::Exceptions;
 use crate::tables::finished::FinishedSurface;
 use crate::tables::limits::FinishedLimits;
 
@@ -21,6 +22,8 @@ pub struct Values {
     /// Samples without a certain verdict, and samples that failed.
     pub undecided: Vec<u64>,
     pub failed: Vec<u64>,
+    /// Samples outside the model; 0 where no samples are drawn.
+    pub outside: Vec<u64>,
     /// Its limits, if it has some.
     pub limits: Option<FinishedLimits>,
 }
@@ -35,17 +38,31 @@ impl Values {
         surface.note_other_version();
         let names = ["p_unstable", "p_low", "p_high", "n_samples", "n_unstable", "n_undecided", "n_failed"];
         let [probability, low, high, samples, unstable, undecided, failed] = surface.numbers(names)?;
+        let outside = match surface.job.draws_samples() {
+            true => surface.numbers(["n_outside_physics"])?.concat(),
+            false => vec![None; probability.len()],
+        };
         let known = |column: Vec<Option<f64>>| column.into_iter().map(|value| value.unwrap_or(f64::NAN)).collect();
         let counts = |column: Vec<Option<f64>>| column.into_iter().map(|value| value.unwrap_or(0.0) as u64).collect();
         let [samples, unstable, undecided, failed] = [samples, unstable, undecided, failed].map(counts);
+        let outside = counts(outside);
         let (low, high) = (known(low), known(high));
         let limits = FinishedLimits::read(run, &surface.job)?;
-        Ok(Self { job: surface.job, probability, low, high, samples, unstable, undecided, failed, limits })
+        Ok(Self { job: surface.job, probability, low, high, samples, unstable, undecided, failed, outside, limits })
     }
 
     /// Whether nothing scatters, so that all samples of a cell have one verdict.
     pub fn is_certain(&self) -> bool {
         self.job.random.scatters_nothing()
+    }
+
+    /// The samples that need a word.
+    pub fn exceptions(&self) -> Exceptions {
+        let mut exceptions = Exceptions::default();
+        for cell in 0..self.samples.len() {
+            exceptions.add(self.samples[cell], self.undecided[cell], self.failed[cell], self.outside[cell]);
+        }
+        exceptions
     }
 
     /// The largest probability.

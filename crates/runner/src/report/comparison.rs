@@ -46,7 +46,7 @@ impl Comparison {
         })
     }
 
-    /// In how many cells the runs surely differ, as a sentence.
+    /// In how many cells the intervals say that the runs differ, as a sentence.
     pub fn summary(&self, first: &str, second: &str) -> String {
         let compared: Vec<&ComparedCell> = self.cells.iter().flatten().collect();
         let more = compared.iter().filter(|cell| cell.low > 0.0).count();
@@ -57,8 +57,8 @@ impl Comparison {
             format!("The largest difference is {}.", round(largest))
         });
         format!(
-            "Of {} in both, P of {second} is surely larger than that of {first} in {more}, and surely smaller in \
-             {less} ({}). {largest}",
+            "Of {} in both, P of {second} is larger than that of {first} in {more}, and smaller in {less}: there the {} of \
+             the difference excludes 0. {largest}",
             counted(compared.len() as u128, "cell", "cells"),
             self.interval_name
         )
@@ -77,13 +77,13 @@ mod tests {
         let summary = |cells| Comparison { run: 1, interval_name: "95 % interval".to_owned(), cells }.summary("a", "b");
         assert_eq!(
             summary(vec![cell(None, -1.0, 1.0), None]),
-            "Of 1 cell in both, P of b is surely larger than that of a in 0, and surely smaller in 0 (95 % interval). \
-             No difference is known."
+            "Of 1 cell in both, P of b is larger than that of a in 0, and smaller in 0: there the 95 % interval of the \
+             difference excludes 0. No difference is known."
         );
         assert_eq!(
             summary(vec![cell(Some(0.1), 0.05, 0.2), cell(Some(-0.3), -0.4, -0.2), cell(Some(0.0), -0.1, 0.1)]),
-            "Of 3 cells in both, P of b is surely larger than that of a in 1, and surely smaller in 1 (95 % interval). \
-             The largest difference is -0.3."
+            "Of 3 cells in both, P of b is larger than that of a in 1, and smaller in 1: there the 95 % interval of the \
+             difference excludes 0. The largest difference is -0.3."
         );
     }
 }

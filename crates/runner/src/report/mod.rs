@@ -6,6 +6,8 @@ mod expected;
 
 mod run;
 
+mod facts;
+
 mod comparison;
 
 use std::io::Read as _;
@@ -18,6 +20,7 @@ use stickslip_sampler::draw::identity::RESULTS_VERSION;
 use stickslip_sampler::estimate::interval::Estimate;
 
 pub use self::comparison::{ComparedCell, Comparison};
+use self::facts::facts;
 pub use self::run::{PICTURE_WIDTH, Picture, PictureKind, ReportedRun};
 use crate::failure::Failure;
 use crate::job::reduction::Reduction;
@@ -60,6 +63,8 @@ pub fn page(runs: &[ReportedRun], comparisons: &[Comparison]) -> Result<String, 
         ("name", name),
         ("answers", all(answered)),
         ("differences", differences.collect()),
+        ("map", map_title(runs).to_owned()),
+        ("rested", all(rested)),
         ("computed", all(computed)),
         ("reconstructed", if has_pad { reconstructed() } else { String::new() }),
         ("pictures", PictureKind::ALL.iter().map(|kind| pictures(runs, *kind)).collect()),
@@ -70,6 +75,12 @@ pub fn page(runs: &[ReportedRun], comparisons: &[Comparison]) -> Result<String, 
         ("library", library),
     ];
     Ok(filled(PAGE, &parts))
+}
+
+/// What the map shows.
+fn map_title(runs: &[ReportedRun]) -> &'static str {
+    let is_certain = runs.iter().all(|run| run.values.is_certain());
+    if is_certain { "Verdict of each cell" } else { "Probability of instability" }
 }
 
 /// A page with its places, such as `{{name}}`, filled by their parts.
@@ -100,8 +111,27 @@ fn answered(run: &ReportedRun, has_name: bool) -> String {
     heading(run, has_name)
         + &element("p", "class=\"note\"", &job.description)
         + &element("p", "class=\"answer\"", answer(job, &estimates).trim_end())
+        + &values
+            .exceptions()
+            .sentences(job)
+            .iter()
+            .map(|text| element("p", "class=\"warning\"", &format!("{text}.")))
+            .collect::<String>()
         + &job.reduction().map_or_else(String::new, |reduction| element("p", "class=\"note\"", &reduced(reduction)))
         + &job.warnings().iter().map(|warning| warned(warning)).collect::<String>()
+}
+
+/// What the probabilities of a run rest on.
+fn rested(run: &ReportedRun, has_name: bool) -> String {
+    heading(run, has_name) + &listed(&facts(run))
+}
+
+/// A list of terms, without those of which nothing is to be said.
+fn listed(entries: &[(&str, String)]) -> String {
+    let entry = |(name, value): &(&str, String)| {
+        if value.is_empty() { String::new() } else { format!("<dt>{}</dt>{}", escaped(name), element("dd", "", value)) }
+    };
+    format!("<dl>{}</dl>", entries.iter().map(entry).collect::<String>())
 }
 
 /// What a reduction costs as a sentence.
@@ -198,11 +228,10 @@ fn computed(run: &ReportedRun, has_name: bool) -> String {
         ("Computed by", run.programs.join("; ")),
         ("The same numbers", format!("stickslip submit {}", quoted(&again))),
     ];
-    let entry = |(name, value): (&str, String)| element("dt", "", name) + &element("dd", "", &value);
-    let entries: String = entries.into_iter().filter(|(_, value)| !value.is_empty()).map(entry).collect();
     format!(
-        "{}<dl>{entries}</dl><details><summary>The job with every default filled in</summary>{}</details>",
+        "{}{}<details class=\"printed\"><summary>The job with every default filled in</summary>{}</details>",
         heading(run, has_name),
+        listed(&entries),
         element("pre", "", &job.normalised())
     )
 }

@@ -13,13 +13,16 @@ use crate::output::{note, shown};
 use crate::picture::title::title;
 use crate::picture::view::{GridView, Slice, round};
 use crate::plot::axes::axis;
-use crate::plot::canvas::Canvas;
+use crate::plot::canvas::{Canvas, Rgb};
+use crate::plot::cells;
+use crate::plot::level_lines::level_lines;
 use crate::plot::levels::{Levels, label};
-use crate::plot::limit_lines::{LimitLine, lines, target_label};
+use crate::plot::limit_lines::{lines, target_label};
+use crate::plot::regions::Region;
 use crate::plot::values::Values;
 use crate::plot::verdict_map::VerdictMaps;
 use crate::store::directory::RunDirectory;
-use crate::store::provenance::programs;
+use crate::store::provenance::{finished, programs};
 use crate::tables::finished::{FinishedColumn, FinishedSurface, FinishedValues};
 
 /// A run, as it was named on the command line.
@@ -32,8 +35,9 @@ pub struct ReportedRun {
     further: Vec<FinishedColumn>,
     /// Pictures beside those that the script draws.
     pub pictures: Vec<Picture>,
-    /// The programs that computed it, as far as it is known.
+    /// The programs that computed it, and when it was finished, as far as it is known.
     pub programs: Vec<String>,
+    pub finished: Option<String>,
 }
 
 /// A picture of a run.
@@ -79,8 +83,9 @@ impl ReportedRun {
             Some(Err(why)) => note(format_args!("the report shows no verdict map of {}: {why}", path.display())),
             None => {}
         }
-        let programs = programs(&RunDirectory::view(path)?);
-        Ok(Self { path: shown(path), values, further, pictures, programs })
+        let directory = RunDirectory::view(path)?;
+        let (programs, finished) = (programs(&directory), finished(&directory));
+        Ok(Self { path: shown(path), values, further, pictures, programs, finished })
     }
 
     /// The run for the script: axes slowest first, and one number for each cell in every column.
@@ -102,10 +107,7 @@ impl ReportedRun {
             .collect();
         let (vertical, horizontal) = view.shown();
         let levels = Levels::up_to(self.values.largest());
-        let colour = |band| {
-            let (red, green, blue) = levels.colour(band);
-            format!("#{red:02x}{green:02x}{blue:02x}")
-        };
+        let colour = |band| hexadecimal(levels.colour(band));
         let rounded = |value: &f64| round(*value);
         json!({
             "name": job.name,
@@ -121,29 +123,66 @@ impl ReportedRun {
             "unstable": (job.answer() == Answer::Verdict).then_some(unstable),
             "levels": levels.all(),
             "level_names": levels.all().iter().map(|level| label(*level)).collect::<Vec<_>>(),
-            "lines": levels.lines(),
             "colours": (0..levels.bands()).map(colour).collect::<Vec<_>>(),
             "interval_name": job.sampling.method.interval(&job.sampling),
+            "verdicts": self.values.is_certain().then(|| self.verdicts()),
+            "apart": self.apart(),
             "expected": expected_behaviours(job),
-            "limits": self.limits(&view),
+            "lines": self.lines(&view, levels),
             "recorded": self.recorded(),
             "sensitivity": self.sensitivity(),
         })
     }
 
-    /// The lines of limits in every slice, by the first cell of the slice.
-    fn limits(&self, view: &GridView) -> Vec<Value> {
-        let Some(limits) = &self.values.limits else { return Vec::new() };
-        let slices = (0..view.slices()).map(|number| view.slice(number));
+    /// The lines on the map in every slice, by the first cell of the slice: those of limits, and those of the levels that are
+    /// no target of a limit, as a plot draws them.
+    fn lines(&self, view: &GridView, levels: Levels) -> Vec<Value> {
+        let values = &self.values;
         let of_slice = |slice: Slice<'_>| {
-            let line = |line: LimitLine| {
-                let [x, y] =
-                    [0, 1].map(|axis| line.points.iter().map(|point| round(point[axis])).collect::<Vec<f64>>());
-                json!({ "first": slice.first, "target": line.target, "name": target_label(line.target), "x": x, "y": y })
+            let limits = values.limits.as_ref().map_or_else(Vec::new, |limits| lines(limits, view, &slice));
+            let is_level = |level: &&f64| limits.iter().all(|line| line.target != **level);
+            let contours: Vec<(f64, Vec<[f64; 2]>)> = match values.is_certain() {
+                true => Vec::new(),
+                false => {
+                    let levels = levels.lines().iter().filter(is_level);
+                    levels
+                        .flat_map(|&level| {
+                            level_lines(&values.probability, view, &slice, level)
+                                .into_iter()
+                                .map(move |line| (level, line))
+                        })
+                        .collect()
+                }
             };
-            lines(limits, view, &slice).into_iter().map(line).collect::<Vec<Value>>()
+            let line = |level: f64, points: &[[f64; 2]], is_limit: bool| {
+                let [x, y] = [0, 1].map(|axis| points.iter().map(|point| round(point[axis])).collect::<Vec<f64>>());
+                let name = if is_limit { target_label(level) } else { label(level) };
+                json!({ "first": slice.first, "level": level, "is_limit": is_limit, "name": name, "x": x, "y": y })
+            };
+            let contours = contours.iter().map(|(level, points)| line(*level, points, false));
+            contours.chain(limits.iter().map(|of| line(of.target, &of.points, true))).collect::<Vec<Value>>()
         };
-        slices.flat_map(of_slice).collect()
+        (0..view.slices()).flat_map(|number| of_slice(view.slice(number))).collect()
+    }
+
+    /// The verdict of each cell of a run in which nothing scatters, by its place among their names; with their colours.
+    fn verdicts(&self) -> Value {
+        let names = cells::names(self.values.job.model());
+        let of_cells: Vec<usize> =
+            (0..self.values.samples.len()).map(|cell| cells::of_cell(&self.values, cell) as usize).collect();
+        let colours = Region::ALL.map(|region| hexadecimal(region.colour()));
+        json!({ "names": names, "colours": colours, "of_cells": of_cells })
+    }
+
+    /// Of each cell the shares of samples outside the model and of those without a verdict; nothing if there are none.
+    fn apart(&self) -> Option<Value> {
+        let Values { samples, undecided, failed, outside, .. } = &self.values;
+        let share = |count: u64, cell: usize| round(count as f64 / samples[cell].max(1) as f64);
+        let cells = 0..samples.len();
+        let outside: Vec<f64> = cells.clone().map(|cell| share(outside[cell], cell)).collect();
+        let open: Vec<f64> = cells.map(|cell| share(undecided[cell] + failed[cell], cell)).collect();
+        let has_any = outside.iter().chain(&open).any(|share| *share > 0.0);
+        has_any.then(|| json!({ "outside": outside, "open": open }))
     }
 
     /// What is recorded, with the columns that are shown of it; lengths in mm where these have one scale.
@@ -202,8 +241,13 @@ impl ReportedRun {
     }
 }
 
+/// A colour as HTML has it.
+fn hexadecimal((red, green, blue): Rgb) -> String {
+    format!("#{red:02x}{green:02x}{blue:02x}")
+}
+
 /// What recorded lengths are over, in mm, if it is the same in all cells.
-fn length_scale_mm(job: &Job) -> Option<f64> {
+pub fn length_scale_mm(job: &Job) -> Option<f64> {
     let of = |configuration| job.model().length_scale(&job.grid.first_cell_with(configuration).expected);
     let first = of(0)?;
     (1..job.grid.configurations()).all(|other| of(other) == Some(first)).then_some(1e3 * first)

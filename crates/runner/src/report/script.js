@@ -30,6 +30,7 @@ const LINES = ["#3c6eb4", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"]
 
 // What the view knows of a cell: a value with its interval, in words too.
 const value = (cell) => (view.comparison ? view.comparison.value[cell] : view.run.p[cell]);
+const tabled = (cell) => (view.run.verdicts && !view.comparison ? described(cell) : number(value(cell)));
 function described(cell) {
   const of = view.comparison ?? view.run;
   const interval = `${number(of.low[cell])} to ${number(of.high[cell])}`;
@@ -40,9 +41,18 @@ function described(cell) {
     return `difference = ${number(value(cell))} (${of.interval_name}: ${interval}); ${both}`;
   }
   const run = view.run;
+  if (run.verdicts) return run.verdicts.names[run.verdicts.of_cells[cell]];
   const drawn = run.unstable ? `${run.unstable[cell]} of ${run.samples[cell]} samples unstable` : `${run.samples[cell]} samples`;
   const counts = run.samples[cell] > 0 ? `; ${drawn}` : "";
-  return `P = ${number(run.p[cell])} (${run.interval_name}: ${interval})${counts}`;
+  return `P = ${number(run.p[cell])} (${run.interval_name}: ${interval})${counts}${apart(cell)}`;
+}
+
+// The shares of the samples of a cell that lie outside the model or have no verdict.
+function apart(cell) {
+  const { apart: shares } = view.run;
+  if (!shares) return "";
+  const said = (share, what) => (share > 0 ? `; ${number(100 * share)} % ${what}` : "");
+  return said(shares.outside[cell], "outside the model") + said(shares.open[cell], "undecided or failed");
 }
 
 // What the model with exactly the expected values of a cell does.
@@ -50,6 +60,8 @@ function aboutModel(cell) {
   if (view.comparison) return "Strokes: the interval contains 0.";
   const { expected, recorded } = view.run;
   const sentences = [];
+  const marks = view.run.apart && isMap()
+    ? [`Crosses: ${100 * MANY} % of the samples or more lie outside the model, or are undecided or failed.`] : [];
   if (expected) {
     const rate = expected.growth_rate[cell];
     const [rateOn, cycleOn] = expected.on;
@@ -62,7 +74,7 @@ function aboutModel(cell) {
           `${number(100 * expected.stick[cell])} % of the period in stick`,
     );
   }
-  const lines = sentences.length ? [`With exactly these values: ${sentences.join("; ")}.`] : [];
+  const lines = !sentences.length ? marks : [...marks, `With exactly these values: ${sentences.join("; ")}.`];
   for (const { name, samples, scale, unit, mean, low, high } of recorded) {
     if (mean[cell] === null) continue;
     const shown = (column) => `${number(column[cell] * scale)} ${unit}`.trim();
@@ -91,21 +103,14 @@ function probabilityTraces(x, y, cells, text) {
   const band = (p) => (p === null ? null : run.levels.filter((level) => level <= p).length + 0.5);
   const z = cells.map((row) => row.map((cell) => run.p[cell]));
   const first = cellWith(run, { [run.vertical]: 0, [run.horizontal]: 0 });
-  const isLimit = (level) => run.limits.some((line) => line.first === first && line.target === level);
-  const lines = run.lines.filter((level) => !isLimit(level)).map((level) => {
-    const ink = level > 0.6 ? "#fff" : "#000";
-    return {
-      type: "contour", x, y, z, hoverinfo: "skip", showscale: false, autocontour: false, line: { color: ink, width: 1 },
-      contours: { start: level, end: level, size: 1, coloring: "none", showlabels: true, labelfont: { size: 10, color: ink } },
-    };
-  });
-  const limits = run.limits.filter((line) => line.first === first).map((line, i, all) => {
+  const lines = run.lines.filter((line) => line.first === first).map((line, i, all) => {
+    const ink = line.is_limit ? "#e01030" : line.level > 0.6 ? "#fff" : "#000";
     // Labels of lines beside each other stand at different places along them.
     const labelled = Math.floor((line.x.length - 1) * (i + 1) / (all.length + 1));
     return {
-      type: "scatter", mode: "lines+text", x: line.x, y: line.y, hoverinfo: "skip", line: { color: "#e01030", width: 2.5 },
-      text: line.x.map((_, at) => (at === labelled ? line.name : "")), textposition: "top left",
-      textfont: { size: 10, color: "#e01030" },
+      type: "scatter", mode: "lines+text", x: line.x, y: line.y, hoverinfo: "skip",
+      line: { color: ink, width: line.is_limit ? 2.5 : 1 }, textposition: "top left", textfont: { size: 10, color: ink },
+      text: line.x.map((_, at) => (at === labelled ? line.name : "")),
     };
   });
   return [{
@@ -115,7 +120,33 @@ function probabilityTraces(x, y, cells, text) {
     colorbar: {
       title: { text: "P" }, tickvals: run.levels.map((_, i) => i + 1), ticktext: run.level_names, tickfont: { size: 10 },
     },
-  }, ...lines, ...limits];
+  }, ...lines, ...crosses(x, y, cells)];
+}
+
+// Crosses where many samples of a cell lie outside the model or have no verdict.
+const MANY = 0.05;
+function crosses(x, y, cells) {
+  const { apart: shares } = view.run;
+  if (!shares) return [];
+  const has = (cell) => shares.outside[cell] >= MANY || shares.open[cell] >= MANY;
+  const marked = cells.flatMap((row, i) => row.flatMap((cell, j) => (has(cell) ? [[x[j], y[i]]] : [])));
+  return [{
+    type: "scatter", mode: "markers", x: marked.map(([at]) => at), y: marked.map(([, at]) => at), hoverinfo: "skip",
+    marker: { symbol: "x-thin-open", size: 6, color: "#333" },
+  }];
+}
+
+// Verdicts, where nothing scatters: the colours of those that some cell has.
+function verdictTraces(x, y, cells, text) {
+  const { of_cells, names: all, colours: inks } = view.run.verdicts;
+  const here = all.map((_, kind) => kind).filter((kind) => of_cells.includes(kind)), kinds = here.length;
+  const names = here.map((kind) => all[kind]), colours = here.map((kind) => inks[kind]);
+  return [{
+    type: "heatmap", x, y, z: cells.map((row) => row.map((cell) => here.indexOf(of_cells[cell]))), text, zmin: -0.5, zmax: kinds - 0.5,
+    hovertemplate: "%{text}<extra></extra>",
+    colorscale: colours.flatMap((fill, i) => [[i / kinds, fill], [(i + 1) / kinds, fill]]),
+    colorbar: { tickvals: names.map((_, i) => i), ticktext: names, tickfont: { size: 10 } },
+  }];
 }
 
 // Differences: blue below, red above; a stroke where the interval contains 0.
@@ -140,20 +171,28 @@ function cellsOfMap() {
     cellWith(run, { [run.vertical]: row, [run.horizontal]: column })));
 }
 
+// An axis from the outer edge of its first tile to that of its last.
+function ends({ values, logarithmic }) {
+  const at = values.map((of) => (logarithmic ? Math.log10(of) : of)), last = at.length - 1;
+  const range = [at[0] - (at[1] - at[0]) / 2, at[last] + (at[last] - at[last - 1]) / 2];
+  return { type: logarithmic ? "log" : "linear", range };
+}
+
 function drawMap() {
   const { run } = view;
   const across = run.axes[run.horizontal], up = run.axes[run.vertical];
   const cells = cellsOfMap();
   const describedAt = (cell, i, j) => `${named(up, i)}<br>${named(across, j)}<br>${described(cell)}`;
   const text = cells.map((row, i) => row.map((cell, j) => describedAt(cell, i, j)));
-  const traces = (view.comparison ? differenceTraces : probabilityTraces)(across.values, up.values, cells, text);
+  const drawn = view.comparison ? differenceTraces : run.verdicts ? verdictTraces : probabilityTraces;
+  const traces = drawn(across.values, up.values, cells, text);
   traces.push({
     type: "scatter", mode: "markers", x: [across.values[place[run.horizontal]]], y: [up.values[place[run.vertical]]],
     marker: marker(), hoverinfo: "skip",
   });
   const sides = layout(heading(across), heading(up));
-  if (across.logarithmic) sides.xaxis.type = "log";
-  if (up.logarithmic) sides.yaxis.type = "log";
+  Object.assign(sides.xaxis, ends(across));
+  Object.assign(sides.yaxis, ends(up));
   Plotly.react("map", traces, sides, config);
 }
 
@@ -163,7 +202,7 @@ const tables = {
     const { run } = view;
     if (!isMap()) return sectionTable(run.horizontal);
     const across = run.axes[run.horizontal], up = run.axes[run.vertical];
-    const rows = cellsOfMap().map((row, i) => [number(up.values[i]), ...row.map((cell) => number(value(cell)))]);
+    const rows = cellsOfMap().map((row, i) => [number(up.values[i]), ...row.map(tabled)]);
     return [[`${up.title} \\ ${across.title}`, ...across.values.map(number)], ...rows.reverse()];
   },
   horizontal: () => sectionTable(view.run.horizontal),
@@ -259,7 +298,7 @@ function draw() {
   element("selected").textContent = [...long.map(([axis, i]) => named(axis, place[i])), described(cell)].join(", ");
   element("expected").textContent = aboutModel(cell);
   element("interval").textContent = (view.comparison ?? run).interval_name;
-  element("sections").hidden = !isMap();
+  element("sections").hidden = !isMap() || Boolean(run.verdicts && !view.comparison);
   details("map").hidden = run.horizontal === null;
   element("map").style.display = run.horizontal === null ? "none" : "";
   if (isMap()) {
@@ -351,6 +390,20 @@ element("map").addEventListener("keydown", (event) => {
   select({ [axis]: place[axis] + by });
 });
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
+
+// On paper plots are as wide as the page, and in the light colours of the style for print.
+const PAPER = 640;
+const plots = () => document.querySelectorAll(".plot.js-plotly-plot");
+function onPaper(isPrinted) {
+  document.querySelectorAll("details.printed").forEach((of) => { of.open = isPrinted; });
+  draw();
+  plots().forEach((plot) => {
+    const isHalf = plot.parentElement.classList.contains("pair");
+    Plotly.relayout(plot, isPrinted ? { width: isHalf ? PAPER / 2 : PAPER, autosize: false } : { width: null, autosize: true });
+  });
+}
+addEventListener("beforeprint", () => onPaper(true));
+addEventListener("afterprint", () => onPaper(false));
 addControls();
 draw();
 listen();

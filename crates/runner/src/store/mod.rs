@@ -32,4 +32,6 @@ mod frozen_job;
 
 pub mod provenance;
 
+pub mod outdated;
+
 pub mod sharing;

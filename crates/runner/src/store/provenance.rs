@@ -107,11 +107,22 @@ impl Session {
     }
 }
 
+/// The sessions of a run, as far as `run.json` can be read.
+fn sessions(directory: &RunDirectory) -> Vec<Session> {
+    let read = directory.read_known(RECORD).ok().flatten().and_then(|bytes| read(&bytes).ok());
+    read.unwrap_or_default().sessions
+}
+
+/// When the session began that finished a run, and its command.
+pub fn finished(directory: &RunDirectory) -> Option<String> {
+    let session = sessions(directory).into_iter().rfind(|session| session.outcome == "finished")?;
+    Some(format!("{}, by {}", session.started, session.command))
+}
+
 /// The programs that computed a run, each once, as far as `run.json` says.
 pub fn programs(directory: &RunDirectory) -> Vec<String> {
-    let read = directory.read_known(RECORD).ok().flatten().and_then(|bytes| read(&bytes).ok());
     let mut programs = Vec::new();
-    for Session { version, commit, target, instruction_set, .. } in read.unwrap_or_default().sessions {
+    for Session { version, commit, target, instruction_set, .. } in sessions(directory) {
         let program = format!("stickslip {version}, commit {commit}, {target}, {instruction_set}");
         if !programs.contains(&program) {
             programs.push(program);
