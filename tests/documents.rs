@@ -9,7 +9,7 @@
 //! | `console exit=65` | the last command ends with this exit code, and the lines below it are its messages |
 //! | `toml` | a complete job, which `stickslip check` must accept |
 //! | `toml fragment` | merged into a small job and checked |
-//! | `python` | runs without error, with the names of the blocks before it, if `STICKSLIP_PYTHON` names an interpreter |
+//! | `python` | runs without error, with the names of the blocks before it, if `STICKSLIP_PYTHON` names an interpreter; when the page is through, all of them run once more from the first, with no names, in the same directory |
 //! | `text output` | what the Python block before it prints |
 //! | any of them `ignore (why)` | not run |
 //!
@@ -265,16 +265,16 @@ fn check_job(place: &Place, block: &Block, number: usize) {
     assert!(!stderr.contains("warning"), "{}: {stderr}", block.place);
 }
 
-/// What a Python process runs: each line of its input is a directory, a name and a script. The scripts of a directory share
-/// their names. A mark ends each answer.
+/// What a Python process runs: each line of its input is a directory, a session, a name and a script. The scripts of a
+/// session in a directory share their names. A mark ends each answer.
 const PYTHON_DRIVER: &str = r#"
 import json, os, sys, traceback
 names = {}
 for line in sys.stdin:
-    directory, place, script = json.loads(line)
+    directory, session, place, script = json.loads(line)
     os.chdir(directory)
     try:
-        exec(compile(script, place, "exec"), names.setdefault(directory, {"__name__": "__main__"}))
+        exec(compile(script, place, "exec"), names.setdefault((directory, session), {"__name__": "__main__"}))
     except BaseException:
         print("FAILED", traceback.format_exc())
     print("\x1e", end="", flush=True)
@@ -301,17 +301,21 @@ impl Python {
     }
 
     /// Runs a block in a directory, and compares what it prints with what is shown.
-    fn run(&mut self, directory: &Path, block: &Block, output: Option<&Block>) {
-        let question = serde_json::json!([directory, block.place, block.text()]);
+    fn run(&mut self, directory: &Path, session: u8, block: &Block, output: Option<&Block>) {
+        let question = serde_json::json!([directory, session, block.place, block.text()]);
         writeln!(self.process.stdin.as_mut().unwrap(), "{question}").unwrap();
         let mut answer = Vec::new();
         self.answers.read_until(b'\x1e', &mut answer).unwrap();
         let answer = String::from_utf8(answer).unwrap();
         let printed = answer.strip_suffix('\x1e').unwrap_or_else(|| panic!("{}: Python has ended", block.place));
-        assert!(!printed.contains("FAILED"), "{}: {printed}", block.place);
+        assert!(!printed.contains("FAILED"), "{}, session {session}: {printed}", block.place);
         if let Some(shown) = output {
             let lines: Vec<&str> = shown.lines.iter().map(String::as_str).collect();
-            assert!(lines_match(&lines, &printed.lines().collect::<Vec<_>>()), "{}:\n{printed}", shown.place);
+            assert!(
+                lines_match(&lines, &printed.lines().collect::<Vec<_>>()),
+                "{}, session {session}:\n{printed}",
+                shown.place
+            );
         }
     }
 }
@@ -325,7 +329,7 @@ impl Drop for Python {
 
 #[test]
 fn everything_that_the_documents_show_runs() {
-    let (mut ran, mut jobs, mut scripts) = (0, 0, 0);
+    let (mut ran, mut jobs, mut scripts, mut again) = (0, 0, 0, 0);
     let mut python = Python::start();
     let pages: Vec<Vec<Block>> = pages().iter().map(|page| blocks(page)).collect();
     for blocks in &pages {
@@ -358,7 +362,7 @@ fn everything_that_the_documents_show_runs() {
                     scripts += 1;
                     let output = blocks.get(number + 1).filter(|next| next.is_output());
                     if let Some(python) = &mut python {
-                        python.run(&place.path(""), block, output);
+                        python.run(&place.path(""), 1, block, output);
                     }
                 }
                 language => {
@@ -366,8 +370,17 @@ fn everything_that_the_documents_show_runs() {
                 }
             }
         }
+        // As "Restart & run all" of a notebook does.
+        for (number, block) in blocks.iter().enumerate() {
+            if let ("python", false, Some(python)) = (block.language.as_str(), block.is_ignored(), &mut python) {
+                let output = blocks.get(number + 1).filter(|next| next.is_output());
+                python.run(&place.path(""), 2, block, output);
+                again += 1;
+            }
+        }
     }
     assert!(ran >= LEAST_COMMANDS, "only {ran} commands");
+    assert!(python.is_none() || again >= LEAST_PYTHON, "only {again} Python blocks ran twice");
     assert!(jobs >= LEAST_JOBS, "only {jobs} jobs and fragments");
     assert!(scripts >= LEAST_PYTHON, "only {scripts} Python blocks");
 }

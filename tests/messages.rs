@@ -124,7 +124,7 @@ fn each_state_of_a_run_has_a_code_and_a_remedy() {
         ("submit job.toml --out run", 73, "run-unfinished", resume),
         ("submit more.toml --out run", 73, "run-to-extend", resume),
         ("submit other.toml --out run", 65, "job-differs", "--out"),
-        ("submit fewer.toml --out run", 65, "job-differs", "--samples 1000"),
+        ("submit fewer.toml --out run", 65, "run-has-more", "--samples 1000"),
         ("plot run", 65, "incomplete", resume),
         ("merge run", 65, "incomplete", resume),
         ("compare run run", 65, "incomplete", resume),

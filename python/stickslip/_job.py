@@ -13,6 +13,7 @@ from typing import Any, SupportsInt, Union
 import tomli_w
 
 from ._errors import job_error
+from ._frames import columns_of, is_frame
 from ._matrices import with_files
 from ._texts import as_word, encoded
 
@@ -52,7 +53,8 @@ def as_argument(job: Job, folder: Path | None = None) -> tuple[str, str | None]:
 def to_toml(job: Mapping[str, Any]) -> str:
     """A job as TOML.
 
-    Numbers and arrays of NumPy and the like, tuples, ranges and paths may stand in it.
+    Numbers and arrays of NumPy and the like, frames of pandas and the like in place of tables with a list for each column,
+    tuples, ranges and paths may stand in it.
 
     Raises
     ------
@@ -93,6 +95,8 @@ def _value(value: Any, place: str, depth: int = 0) -> Any:
         return os.path.expanduser(as_word(value, place))
     if isinstance(value, (list, tuple, range)):
         return [_value(entry, f"{place}[{i}]", depth + 1) for i, entry in enumerate(value)]
+    if is_frame(value):
+        return _table(columns_of(value), place, depth)
     for method in ("tolist", "to_list"):
         if not isinstance(value, type) and hasattr(value, method):
             return _value(getattr(value, method)(), place, depth + 1)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 #: The codes of messages that are no failure, beside ``progress`` and ``warning``.
-NOTES = frozenset({"note", "file-written", "run-finished", "interrupting"})
+NOTES = frozenset({"note", "file-written", "run-finished", "run-apart", "interrupting"})
 
 
 @dataclass(frozen=True)

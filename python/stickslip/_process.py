@@ -17,7 +17,7 @@ import tempfile
 import threading
 import types
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
@@ -76,11 +76,12 @@ def call(
     stdin: str | None = None,
     progress: bool = False,
     unsaid: str | None = None,
+    heard: Callable[[Message], None] | None = None,
 ) -> str:
     """Run the program, and return what it writes to standard output.
 
-    Its progress and notes go to ``sys.stderr`` with ``progress``, but for those with the code ``unsaid``. Its warnings
-    become :class:`JobWarning`.
+    Its progress and notes go to ``sys.stderr`` with ``progress``, but for those with the code ``unsaid``. ``heard`` gets
+    each note as it comes. Its warnings become :class:`JobWarning`.
 
     Raises
     ------
@@ -89,7 +90,7 @@ def call(
     Interrupted
         If Ctrl-C ended it.
     """
-    command = [as_word(word) for word in (program(), "--messages=json", *arguments)]
+    command = [as_word(word) for word in (program(), "--messages=python", *arguments)]
     running = _Program()
     display = Display(sys.stderr if progress else None)
     received: list[Message] = []
@@ -118,8 +119,11 @@ def call(
                         display.progress(message)
                     elif message.code not in NOTES:
                         received.append(message)
-                    elif message.code != unsaid:
-                        display.note(message.text)
+                    else:
+                        if heard is not None:
+                            heard(message)
+                        if message.code != unsaid:
+                            display.note(message.text)
                 process.wait()
             except BaseException:
                 process.terminate()

@@ -9,6 +9,8 @@ import os
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+from ._frames import columns_of, is_frame
+
 
 def csv_of(data: Any) -> str:
     """A table as CSV, its names in the first line.
@@ -38,14 +40,8 @@ def _columns(data: Any) -> Mapping[Any, Iterable[Any]]:
         raise TypeError(f"tests are a table, not the class {data.__name__}")
     if isinstance(data, Mapping):
         return {name: _values(values, str(name)) for name, values in data.items()}
-    if hasattr(data, "to_pydict"):
-        columns: Mapping[Any, Iterable[Any]] = data.to_pydict()
-        return columns
-    if hasattr(data, "columns") and hasattr(data, "__getitem__"):
-        names = list(data.columns)
-        if len(set(names)) < len(names):
-            raise ValueError(f"two columns have the same name: {', '.join(map(str, names))}")
-        return {name: _values(data[name], str(name)) for name in names}
+    if is_frame(data):
+        return {name: _values(values, name) for name, values in columns_of(data).items()}
     if isinstance(data, Iterable) and not isinstance(data, (str, bytes, os.PathLike)):
         rows = list(data)
         if all(isinstance(row, Mapping) for row in rows):

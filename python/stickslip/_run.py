@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import html
 import tempfile
+import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, overload
 
-from ._errors import CannotCreateError, InputOutputError, Interrupted
+from ._errors import CannotCreateError, InputOutputError, Interrupted, JobError, JobWarning
 from ._grid import dataset
 from ._job import Job, PathLike, absolute, as_argument, expanded, threads_option, whole
+from ._messages import Message
 from ._motion import Motion
 from ._name import name_of
 from ._pictures import Plot, Report, written
@@ -297,18 +299,22 @@ def run(
     samples: int | None = None,
     seed: int | None = None,
     resume: bool = True,
+    overwrite: bool = False,
 ) -> Run:
     """Run a job.
 
     A run of the same job in the same directory counts: a finished one is returned as it is, one with fewer samples gets
-    those that are missing, and one that was interrupted is continued. The result is the same, bit for bit.
+    those that are missing, and one that was interrupted is continued. The result is the same, bit for bit. One with more
+    samples is returned with all of them, and with a :class:`JobWarning`.
 
     Parameters
     ----------
     job
         The keys of a job spec as a dict, or the path of a TOML file.
     out
-        The run directory; by default ``runs/NAME`` in the working directory, with the name of the job.
+        The run directory. By default it is ``runs/NAME`` in the working directory, with the name of the job; where that
+        has a run of another job, ``runs/NAME-DIGEST``, with a digest of this one. So a loop over jobs of one name keeps
+        the runs of all.
     progress
         Whether progress and notes are shown on ``sys.stderr``.
     threads
@@ -317,11 +323,14 @@ def run(
         In place of those of the job.
     resume
         ``False``: an unfinished run is not continued, but refused with :class:`CannotCreateError`.
+    overwrite
+        ``True``: the run that the directory has, of whatever job, is removed with its figures and reports, and the job
+        is computed anew. Then the default directory is always ``runs/NAME``.
 
     Raises
     ------
     JobError
-        If the job is not valid, or the directory holds a run of another one.
+        If the job is not valid, or the directory ``out`` has a run of another one.
     CannotCreateError, InputOutputError, InUseError
         If the directory cannot be made, written to, or is in use.
     AuditError
@@ -329,15 +338,29 @@ def run(
     Interrupted
         With Ctrl-C, a ``KeyboardInterrupt``. What was finished is kept: ``interrupted.run.resume()``.
     """
-    directory = absolute(out if out is not None else Path("runs") / name_of(job))
+    # The program says where it is if it is another one.
+    named = absolute(out) if out is not None else Path("runs") / name_of(job)
+    directory = absolute(named)
     argument, stdin = as_argument(job, directory.parent / ".matrices")
-    options = [*threads_option(threads), f"--out={directory}"]
+    options = [*threads_option(threads), f"--out={named}"]
+    if overwrite:
+        options.append("--overwrite")
+    elif out is None:
+        options.append("--apart")
     for name, value in (("samples", samples), ("seed", seed)):
         if value is not None:
             options.append(f"--{name}={whole(value, name)}")
 
+    def heard(message: Message) -> None:
+        nonlocal directory
+        if message.code == "run-apart" and message.place is not None:
+            directory = absolute(message.place["file"])
+
     def submit() -> str:
-        return call(["submit", argument, *options], stdin=stdin, progress=progress)
+        return call(["submit", argument, *options], stdin=stdin, progress=progress, heard=heard)
+
+    def go_on() -> str:
+        return Run._finished(directory, "").resume(threads=threads, progress=progress).output
 
     try:
         try:
@@ -345,9 +368,16 @@ def run(
         except CannotCreateError as error:
             if not resume or error.code not in ("run-unfinished", "run-to-extend"):
                 raise
-            output = Run._finished(directory, "").resume(threads=threads, progress=progress).output
+            output = go_on()
             if error.code == "run-to-extend":
                 output = submit()
+        except JobError as error:
+            if error.code != "run-has-more":
+                raise
+            if not resume and Run._finished(directory, "").status()["state"] != "finished":
+                raise
+            warnings.warn(f"{error}. The run is returned with all its samples", JobWarning, stacklevel=2)
+            output = go_on()
     except Interrupted as interrupted:
         interrupted.run = Run._finished(directory, "") if (directory / "job.toml").is_file() else None
         raise

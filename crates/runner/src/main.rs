@@ -5,6 +5,8 @@
 
 mod shell;
 
+mod python_terms;
+
 mod messages;
 
 mod memory;

@@ -120,6 +120,12 @@ pub struct SubmitArguments {
     /// Run directory [default: runs/NAME]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// Where the run directory holds a run of another job, use one beside it with a digest of this job in its name
+    #[arg(long, conflicts_with_all = ["overwrite", "shard", "engine"])]
+    pub apart: bool,
+    /// Remove the run that the directory holds, of whatever job, and compute anew
+    #[arg(long, conflicts_with_all = ["shard", "engine"])]
+    pub overwrite: bool,
     #[command(flatten)]
     pub threads: ThreadsArgument,
     /// Seed of the random numbers, in place of the job's

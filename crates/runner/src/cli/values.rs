@@ -2,9 +2,15 @@
 
 use std::path::PathBuf;
 
-/// A whole number as a job spec writes it, 10000 or 10_000.
+/// A whole number as a job spec writes it, 10000, 10_000 or 1e4.
 pub fn whole_number(text: &str) -> Result<u64, String> {
-    text.replace('_', "").parse().map_err(|_| "write a whole number, for example 10000 or 10_000".to_owned())
+    /// Beyond this, numbers with a point are not whole numbers one by one.
+    const LARGEST: f64 = 9_007_199_254_740_992.0;
+    let plain = text.replace('_', "");
+    let whole = |number: &f64| (0.0..=LARGEST).contains(number) && number.fract() == 0.0;
+    let with_exponent = || plain.parse().ok().filter(whole).map(|number: f64| number as u64);
+    let number = plain.parse().ok().or_else(with_exponent);
+    number.ok_or_else(|| "write a whole number, for example 10000, 10_000 or 1e4".to_owned())
 }
 
 /// A seed in the range that a job spec allows.

@@ -1,17 +1,18 @@
 //! Checking whether a job may be submitted to a run directory.
 
-use std::path::Path;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 use std::thread;
 use std::time::{Duration, Instant};
 
 use crate::evaluate::parts::Parts;
 use crate::failure::Failure;
 use crate::job::{Job, JobSource};
-use crate::messages::Code;
-use crate::output::{note, quoted};
+use crate::messages::{Code, Message, Place};
+use crate::output::{note, quoted, shown};
 use crate::store::directory::RunDirectory;
 use crate::store::layout::JOB;
-use crate::store::lock::Access;
+use crate::store::lock::{AN_INSTANT, Access};
 use crate::store::tally::Tally;
 
 /// The state of the run of a submitted job.
@@ -61,7 +62,7 @@ pub fn adopt(directory: &RunDirectory, source: &JobSource, job: Job) -> Result<(
     let path = quoted(directory.path());
     if existing.experiment_hash() != job.experiment_hash() {
         return Err(Failure::Job(format!(
-            "{path} holds a run of another job: {}. Choose another directory with --out",
+            "{path} holds a run of another job: {}. Choose another directory with --out, or replace that run with --overwrite",
             first_difference(&existing.normalised(), &job.normalised())
         ))
         .coded(Code::JobDiffers)
@@ -71,9 +72,9 @@ pub fn adopt(directory: &RunDirectory, source: &JobSource, job: Job) -> Result<(
     let at_most = if job.stops_by_precision() { "at most " } else { "" };
     if wanted < there {
         return Err(Failure::Job(format!(
-            "{path} holds a run of this job with {at_most}{there} samples in each cell, more than the {wanted} of this one. Use --samples {there}, or choose another directory with --out"
+            "{path} holds a run of this job with {at_most}{there} samples in each cell, more than the {wanted} of this one. Use --samples {there}, choose another directory with --out, or replace that run with --overwrite"
         ))
-        .coded(Code::JobDiffers)
+        .coded(Code::RunHasMore)
         .remedied(format!("--samples {there}")));
     }
     let tally = directory.tally(&existing)?;
@@ -99,6 +100,42 @@ pub fn adopt(directory: &RunDirectory, source: &JobSource, job: Job) -> Result<(
     // With more samples, a cell may have more parts.
     let tally = directory.tally(&job)?;
     Ok((job, RunState::New(tally)))
+}
+
+/// The directory of a job: `out`, or where that holds a run of another job, one beside it with a digest of this one in
+/// its name.
+pub fn apart(out: &Path, job: &Job) -> Result<RunDirectory, Failure> {
+    let mut beside = out.as_os_str().to_owned();
+    beside.push(format!("-{}", &job.experiment_hash()[..8]));
+    let beside = PathBuf::from(beside);
+    if !beside.join(JOB).exists()
+        && let Some(directory) = unless_of_another(out, job)?
+    {
+        return Ok(directory);
+    }
+    let text = format!("{} holds a run of another job; this one goes to {}", shown(out), shown(&beside));
+    Message { place: Some(Place::file(&beside)), ..Message::new(Code::RunApart, &text) }.send();
+    RunDirectory::create(&beside, Access::Alone, AN_INSTANT)
+}
+
+/// The directory `out`, unless it holds a run of another job.
+fn unless_of_another(out: &Path, job: &Job) -> Result<Option<RunDirectory>, Failure> {
+    let is_another = |existing: &Job| existing.experiment_hash() != job.experiment_hash();
+    let started = Instant::now();
+    loop {
+        let busy = match RunDirectory::create(out, Access::Alone, AN_INSTANT) {
+            Ok(directory) if directory.job().as_ref().is_ok_and(is_another) => return Ok(None),
+            Ok(directory) => return Ok(Some(directory)),
+            Err(busy) if busy.is_in_use() => busy,
+            Err(other) => return Err(other),
+        };
+        match RunDirectory::view(out).and_then(|directory| directory.job()) {
+            Ok(existing) if is_another(&existing) => return Ok(None),
+            // The other process may be about to freeze its job.
+            Err(_) if started.elapsed() < PATIENCE => thread::sleep(PAUSE),
+            _ => return Err(busy),
+        }
+    }
 }
 
 /// How long a shard waits for a process that works alone: the first shard freezes the job, and reads what is there.
@@ -136,44 +173,47 @@ pub fn adopt_as_shard(out: &Path, source: &JobSource, job: &Job) -> Result<(RunD
     }
 }
 
-/// The first key in which two normalised jobs differ.
+/// The first key in which two normalised jobs differ, by its whole name.
 fn first_difference(existing: &str, new: &str) -> String {
     let (a, b) = (settings(existing), settings(new));
-    let line_of = |settings: &[(String, String)], key: &str| {
-        settings.iter().find(|(other, _)| other == key).map(|(_, line)| line.clone())
-    };
     for (key, ours) in &a {
-        match line_of(&b, key) {
-            Some(theirs) if theirs == *ours => {}
+        match b.get(key) {
+            Some(theirs) if theirs == ours => {}
             Some(theirs) => {
-                return format!("it has `{}`, the job has `{}`", excerpt(ours, &theirs), excerpt(&theirs, ours));
+                let (ours, theirs) = (excerpt(ours, theirs), excerpt(theirs, ours));
+                return format!("it has `{key} = {ours}`, the job has `{key} = {theirs}`");
             }
-            None => return format!("it has `{}`, the job does not", excerpt(ours, "")),
+            None => return format!("it has `{key} = {}`, the job does not", excerpt(ours, "")),
         }
     }
-    match b.iter().find(|(key, _)| line_of(&a, key).is_none()) {
-        Some((_, theirs)) => format!("the job has `{}`, the run does not", excerpt(theirs, "")),
+    match b.iter().find(|(key, _)| !a.contains_key(*key)) {
+        Some((key, theirs)) => format!("the job has `{key} = {}`, the run does not", excerpt(theirs, "")),
         None => "it is of another version".to_owned(),
     }
 }
 
-/// The lines `key = value` of a normalised job by section and key, but for those that may differ.
-fn settings(job: &str) -> Vec<(String, String)> {
-    let mut section = "";
-    let mut found = Vec::new();
-    for line in job.lines() {
-        if line.starts_with('[') {
-            section = line;
-        } else if let Some((key, _)) = line.split_once(" = ")
-            && !["name", "description", "samples", "at_most"].contains(&key)
-        {
-            found.push((format!("{section} {key}"), line.to_owned()));
+/// The values of a normalised job by their whole keys, but for those that may differ.
+fn settings(job: &str) -> BTreeMap<String, String> {
+    fn add(prefix: &str, table: &toml::Table, found: &mut BTreeMap<String, String>) {
+        for (name, value) in table {
+            let name = if name.contains('.') { format!("\"{name}\"") } else { name.clone() };
+            let key = if prefix.is_empty() { name } else { format!("{prefix}.{name}") };
+            match value {
+                toml::Value::Table(table) => add(&key, table, found),
+                value => drop(found.insert(key, value.to_string())),
+            }
         }
+    }
+    let mut found = BTreeMap::new();
+    // It was written by this program.
+    add("", &job.parse().unwrap_or_default(), &mut found);
+    for key in ["name", "description", "sampling.samples", "sampling.until.at_most"] {
+        found.remove(key);
     }
     found
 }
 
-/// A line, or the excerpt of a long line that begins to differ from another one.
+/// A value, or the excerpt of a long one that begins to differ from another one.
 fn excerpt(line: &str, other: &str) -> String {
     const LONGEST: usize = 120;
     if line.chars().count() <= LONGEST {

@@ -4,7 +4,7 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use super::adoption::{RunState, adopt, adopt_as_shard};
+use super::adoption::{RunState, adopt, adopt_as_shard, apart};
 use super::closing::report;
 use super::completion::{Work, compute, kept_and_continued, lost_tiles, map_only};
 use super::limit::{publish_limits, with_limits_of};
@@ -50,12 +50,19 @@ pub fn submit(arguments: &SubmitArguments, interrupt: &Interrupt) -> Result<(), 
     let (directory, job, state) = match shard {
         Some(_) => adopt_as_shard(&out, &source, &job)?,
         None => {
-            let directory = RunDirectory::create(&out, Access::Alone, AN_INSTANT)?;
+            let directory = match arguments.apart {
+                true => apart(&out, &job)?,
+                false => RunDirectory::create(&out, Access::Alone, AN_INSTANT)?,
+            };
+            if arguments.overwrite {
+                directory.clear()?;
+            }
             let (job, state) = adopt(&directory, &source, job)?;
             let job = with_limits_of(&directory, job, &source)?;
             (directory, job, state)
         }
     };
+    let out = directory.path().to_owned();
     let is_map_only = arguments.map_only;
     let work = Work { threads, shard, maps, is_map_only, command: "submit" };
     if is_map_only {

@@ -66,6 +66,10 @@ pub fn read<T: DeserializeOwned>(
             complaints.push(Complaint::maybe_at(error.span(), error.message()));
             return None;
         };
+        if let Some(whole) = whole_in_place_of(&document, &path, &error) {
+            change(document.get_mut(), &path, Some(whole));
+            continue;
+        }
         let mut choices = choices_at::<T>(&document, &path);
         // A table in place of one of a few names: the fault is not within it.
         let is_within = !choices.is_empty() || error.message().starts_with("unknown field ") || is_number(&error);
@@ -106,6 +110,22 @@ pub fn flatten_axes(document: &mut Spanned<DeTable<'_>>) {
             axes.insert(Spanned::new(name.span(), whole.into()), value);
         }
     }
+}
+
+/// The whole number that was written as 1e4 or 10000.0 where only whole ones are taken.
+fn whole_in_place_of(document: &Spanned<DeTable<'_>>, path: &[String], error: &Error) -> Option<DeValue<'static>> {
+    /// Beyond this, numbers with a point are not whole numbers one by one.
+    const LARGEST: f64 = 9_007_199_254_740_992.0;
+    let is_wanted = error.message().starts_with("invalid type: floating point ")
+        && ["u64", "u32", "usize"].iter().any(|kind| error.message().ends_with(&format!("expected {kind}")));
+    let DeValue::Float(number) = value_at(document.get_ref(), path)?.get_ref() else { return None };
+    let value: f64 = number.as_str().parse().ok()?;
+    if !is_wanted || !(0.0..=LARGEST).contains(&value) || value.fract() != 0.0 {
+        return None;
+    }
+    // The parser makes whole numbers of text alone, which must outlive the document: some digits for each of few keys.
+    let digits: &'static str = Box::leak((value as u64).to_string().into_boxed_str());
+    DeValue::parse(digits).ok().map(Spanned::into_inner)
 }
 
 /// Whether what is wrong is the type of a value that must be a number or one of two.

@@ -2,6 +2,7 @@
 
 use std::ffi::OsStr;
 use std::fs::{self, File};
+use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -17,7 +18,9 @@ use crate::output::{quoted, warn_of};
 use crate::store::digests::{DIGESTS, Digests, Fit, Known, digest_of_bytes, digest_of_file};
 use crate::store::file_state::{FileState, NOT_AS_WRITTEN, state_of};
 use crate::store::joining::{self, Refusal};
-use crate::store::layout::{AUDITS, MAPS, SEARCHES, SHARDS, SURFACE, require_free, require_run, require_traces};
+use crate::store::layout::{
+    AUDITS, JOB, MAPS, SEARCHES, SHARDS, SURFACE, is_of_run, require_free, require_run, require_traces,
+};
 use crate::store::lock::{AN_INSTANT, Access, Lock, is_held};
 use crate::store::piece::{self, Complaint, Defect, REMEDY_OF_VERSIONS};
 use crate::store::tally::Tally;
@@ -243,6 +246,32 @@ impl RunDirectory {
             folder.remove_unfinished()?;
         }
         Ok(())
+    }
+
+    /// Removes the run, with what was drawn and written of its result. Files of other names are left.
+    ///
+    /// # Errors
+    /// If a file cannot be removed.
+    pub fn clear(&self) -> Result<(), Failure> {
+        let failed = |path: PathBuf| {
+            move |error: io::Error| Failure::CannotCreate(format!("cannot remove {}: {error}", path.display()))
+        };
+        let remove = |folder: &Folder, name: &OsStr| folder.remove(name).map_err(failed(folder.path().join(name)));
+        let root = &self.root;
+        let names = root.names().map_err(|error| Failure::reading(self.path(), error))?;
+        // The result first and the job last: what is left after a kill is a run of that job that goes on.
+        let (last, first): (Vec<_>, Vec<_>) =
+            names.into_iter().filter(|name| is_of_run(name)).partition(|name| name == JOB);
+        for name in first {
+            remove(root, &name)?;
+        }
+        for name in [SHARDS, MAPS, AUDITS, SEARCHES] {
+            let Some(folder) = self.folder(name)? else { continue };
+            for piece in folder.names().map_err(|error| Failure::reading(folder.path(), error))? {
+                remove(&folder, &piece)?;
+            }
+        }
+        last.iter().try_for_each(|name| remove(root, name))
     }
 
     /// The number of complete cells of a job. An integrated surface is complete as a whole or not at all.

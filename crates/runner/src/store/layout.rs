@@ -1,5 +1,6 @@
 //! The names in a run directory, and by which of them a directory is recognised as one.
 
+use std::ffi::OsStr;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -24,6 +25,22 @@ pub const SEARCHES: &str = "searches";
 
 /// The files that have digests.
 pub const WITH_DIGESTS: [&str; 4] = [JOB, SURFACE, LIMITS, RECORD];
+
+/// Whether a file of a run directory has a name that only this program gives: of the run itself, or of what is drawn and
+/// written of its result where no other name is asked for.
+pub fn is_of_run(name: &OsStr) -> bool {
+    const DRAWN: [&str; 6] = ["surface", "difference", "verdicts", "sobol", "modes", "squeal-frequencies"];
+    let Some(name) = name.to_str() else { return false };
+    let (stem, extension) = name.rsplit_once('.').unwrap_or((name, ""));
+    match extension {
+        _ if WITH_DIGESTS.contains(&name) || [DIGESTS, "engine.json", "report.html"].contains(&name) => true,
+        "svg" | "png" => DRAWN.contains(&stem) || stem.starts_with("sobol-"),
+        "csv" | "json" | "mat" | "npz" => stem == "surface",
+        "parquet" => stem.strip_prefix("samples-").is_some_and(|cell| cell.bytes().all(|c| c.is_ascii_digit())),
+        "damaged" => is_of_run(OsStr::new(stem)),
+        _ => false,
+    }
+}
 
 /// The runs that lie in the folder `path`, sorted by name; none if it is no folder.
 pub fn runs_in(path: &Path) -> Result<Vec<PathBuf>, Failure> {
