@@ -266,7 +266,7 @@ fn what_depends_on_all_axes_is_checked_at_their_extremes() {
     let modes = |mass: &str| {
         let axes = format!("pad.mass = {mass}");
         place.write("modes.toml", &job("modes", &axes, "", "kind = \"coupled-eigenvalue\"", "samples = 1"));
-        let shown = place.run("check modes.toml").done().stdout;
+        let shown = place.run("check --all modes.toml").done().stdout;
         let line = shown.lines().find(|line| line.starts_with("disc_modes")).unwrap().to_owned();
         line.rsplit(' ').next().unwrap().parse::<u32>().unwrap()
     };
@@ -281,7 +281,7 @@ fn many_brakes_take_no_long_preparation() {
     for criterion in ["kind = \"coupled-eigenvalue\"", RIGID, EIGENVALUE] {
         place.write("job.toml", &job("job", axes, SCATTER, criterion, "samples = 1000"));
         let begun = std::time::Instant::now();
-        let shown = place.run("check job.toml").done().stdout;
+        let shown = place.run("check --all job.toml").done().stdout;
         assert!(shown.contains("# 100,000 cells: 100000 pad.mass x 1 rotating speed x"), "{shown}");
         assert!(begun.elapsed().as_secs() < 60, "{criterion}: {:?}", begun.elapsed());
     }

@@ -332,13 +332,13 @@ fn check_shows_a_job_that_can_itself_be_submitted() {
             continue;
         }
         let job = path.display();
-        let checked = place.run(&format!("check {job}")).done();
+        let checked = place.run(&format!("check --all {job}")).done();
         assert!(!checked.stderr.contains("warning"), "{}", checked.stderr);
         let normalised = checked.stdout;
         let costs = ["samples/s on one, measured now", "# no samples: "];
         assert!(costs.iter().any(|cost| normalised.contains(cost)), "{normalised}");
         place.write("normalised.toml", &normalised);
-        let again = place.run("check normalised.toml").done().stdout;
+        let again = place.run("check --all normalised.toml").done().stdout;
         let body =
             |text: &str| text.lines().filter(|line| !line.starts_with('#')).map(str::to_owned).collect::<Vec<_>>();
         assert_eq!(body(&again), body(&normalised), "{job}");

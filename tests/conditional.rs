@@ -89,7 +89,7 @@ fn conditional_probabilities_of_ten_inputs_have_a_mean_in_closed_form() {
     for words in ["replay ten --cell 0 --sample 0", "samples ten --cell 0"] {
         place.run(words).refused(64, &["method = \"conditional\"", "method = \"sobol\""]);
     }
-    let check = place.run("check ten.toml").done().stdout;
+    let check = place.run("check --all ten.toml").done().stdout;
     assert!(check.contains("method = \"conditional\"") && check.contains("65,536 samples"), "{check}");
     // With all defaults filled in, it is the same job.
     place.write("full.toml", &check);

@@ -86,7 +86,7 @@ fn every_key_that_the_example_shows_is_accepted() {
     assert!(count("axes") >= 3 && count("random") >= 7 && count("criterion") >= 9, "{shown:?}");
     let body = |text: &str| text.lines().filter(|line| !line.starts_with('#')).collect::<Vec<_>>().join("\n");
     place.write("job.toml", &example);
-    let plain = body(&place.run("check job.toml --threads 1").done().stdout);
+    let plain = body(&place.run("check --all job.toml --threads 1").done().stdout);
     for (section, key, line) in &shown {
         let mut job = uncommented(&example, section, key, line);
         // What the comment beside the key says of other keys.
@@ -108,7 +108,7 @@ fn every_key_that_the_example_shows_is_accepted() {
         assert!(job.contains(from), "{line}");
         job = job.replacen(from, to, 1);
         place.write("job.toml", &job);
-        let checked = place.run("check job.toml --threads 1");
+        let checked = place.run("check --all job.toml --threads 1");
         assert_eq!(checked.code, Some(0), "{line}\n{}", checked.stderr);
         assert!(!checked.stderr.contains("warning"), "{line}\n{}", checked.stderr);
         // The values of the brake that are shown are those of the preset. One of them is not listed unless it is given, as

@@ -78,7 +78,7 @@ fn every_distribution_gives_the_probability_in_closed_form() {
             assert!(low <= p && p <= high);
         }
         // With all defaults filled in, it is the same job.
-        let full = place.run(&format!("check {name}-mc.toml")).done().stdout;
+        let full = place.run(&format!("check --all {name}-mc.toml")).done().stdout;
         place.write("full.toml", &full);
         let again = place.run(&format!("submit full.toml --out {name}-mc")).done();
         assert!(again.stderr.contains("finished already"), "{name}: {}", again.stderr);

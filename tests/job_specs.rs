@@ -26,7 +26,7 @@ fn in_time(keys: &str) -> String {
 fn checked(text: &str) -> Outcome {
     let place = Place::new();
     place.write("job.toml", text);
-    place.run("check job.toml")
+    place.run("check --all job.toml")
 }
 
 #[test]

@@ -65,7 +65,7 @@ fn a_job_in_newtons_is_the_job_with_these_preloads() {
     let of_model = submitted(&place, "model", &job("", "[model.operating_point]\npreload_force = 20_000"));
     assert_eq!(of_model.column("preload"), &by_force.column("preload")[1..]);
     // What check prints says the same again.
-    let normalised = place.run("check force.toml").done().stdout;
+    let normalised = place.run("check --all force.toml").done().stdout;
     assert!(normalised.contains("# expected contact force on a rigid disc: 2.000 kN to 20.00 kN\n"), "{normalised}");
     assert_eq!(hash(&submitted(&place, "again", &normalised)), hash(&by_force));
 }

@@ -145,7 +145,7 @@ fn what_is_not_seen_is_shown_in_paths_and_descriptions() {
     let text = surface_job("described", 3, 2000, 7);
     let described = text.replacen('\n', "\ndescription = \"a\u{202e}b\"\n", 1);
     place.write("described.toml", &described);
-    let checked = place.run("check described.toml").done().stdout;
+    let checked = place.run("check --all described.toml").done().stdout;
     assert!(checked.contains("description = \"a\\u202eb\"") && is_seen(&checked), "{checked}");
     place.write("again.toml", &checked);
     place.run("check again.toml").done();

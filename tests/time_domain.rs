@@ -44,7 +44,7 @@ fn enough_disc_modes_are_chosen_and_too_few_cause_a_warning() {
     let check = |modes: &str, model: &str| {
         let spec = job("modes", 3, 10, modes).replace("[axes]", &format!("{model}\n\n[axes]"));
         place.write("job.toml", &spec);
-        let checked = place.run("check job.toml").done();
+        let checked = place.run("check --all job.toml").done();
         (checked.stdout, checked.stderr)
     };
     let (default, _) = check("", "");

@@ -81,3 +81,29 @@ def test_it_links_to_pages_that_exist() -> None:
     links = re.findall(r"\]\(([^)]+)\)", "\n".join(cell.source for cell in notebook.cells))
     assert len(links) >= 3
     assert all((STORED.parent / Path(link)).is_file() for link in links)
+
+
+def test_progress_is_a_bar_in_a_notebook(tmp_path: Path) -> None:
+    cell = """
+import stickslip
+job = {
+    "name": "bar",
+    "axes": {"preload": {"from": 0.05, "to": 0.15, "points": 5}, "static_friction": 0.39},
+    "random": {"inputs": ["preload", "static_friction"], "relative_std": 0.2},
+    "criterion": {"kind": "time-domain"},
+    "sampling": {"samples": 4000, "seed": 3},
+}
+import IPython.display
+shown, kept = [], IPython.display.DisplayHandle.update
+def update(self, bundle, **options):
+    shown.append(bundle["text/html"])
+    kept(self, bundle, **options)
+IPython.display.DisplayHandle.update = update
+stickslip.run(job, threads=1)
+assert len(shown) > 2 and shown[-1] == "", shown
+assert all(text.startswith('<progress max="1" value="0.') and "samples/s" in text for text in shown[:-1]), shown
+"""
+    notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(cell)])
+    nbclient.NotebookClient(notebook, timeout=300, resources={"metadata": {"path": str(tmp_path)}}).execute()
+    outputs = notebook.cells[0]["outputs"]
+    assert "%" not in "".join(output["text"] for output in outputs if output.get("name") == "stderr")

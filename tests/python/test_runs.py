@@ -10,12 +10,14 @@ import pickle
 import subprocess
 import sys
 import warnings
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
 import polars as pl
+import pyarrow as pa
 import pytest
 import tomli_w
 
@@ -114,16 +116,99 @@ def test_more_samples_extend_a_run(small: dict[str, Any]) -> None:
     stickslip.run(small, progress=False)
     run = stickslip.run(small, progress=False, samples=3000)
     assert set(run.surface()["n_samples"]) == {3000}
-    with pytest.raises(stickslip.JobError, match="more than the 1000 of this one"):
-        stickslip.run(small, progress=False)
+    # What asked for fewer runs again, as in "Restart & run all".
+    with pytest.warns(stickslip.JobWarning, match="more than the 1000 of this one. Use samples=3000") as caught:
+        again = stickslip.run(small, progress=False)
+    assert caught[0].filename == __file__
+    assert again == run and set(again.surface()["n_samples"]) == {3000}
+    with pytest.warns(stickslip.JobWarning):
+        assert stickslip.run(small, run, progress=False) == run
 
 
 def test_another_seed_is_another_run(small: dict[str, Any]) -> None:
-    run = stickslip.run(small, progress=False)
-    with pytest.raises(stickslip.JobError, match="it has `seed = 7`, the job has `seed = 8`"):
-        stickslip.run(small, progress=False, seed=8)
+    run = stickslip.run(small, "run", progress=False)
+    with pytest.raises(stickslip.JobError, match="it has `sampling.seed = 7`, the job has `sampling.seed = 8`"):
+        stickslip.run(small, "run", progress=False, seed=8)
     other = stickslip.run(small, "other", progress=False, seed=8)
     assert not run.surface()["p_unstable"].equals(other.surface()["p_unstable"])
+
+
+def test_the_key_that_differs_is_named_whole(small: dict[str, Any]) -> None:
+    stickslip.run(small, "run", progress=False)
+    small["random"]["relative_std"]["preload"] = 0.3
+    with pytest.raises(stickslip.JobError) as caught:
+        stickslip.run(small, "run", progress=False)
+    assert "`random.relative_std = [{ preload = 0.2, static_friction = 0.1 }]`" in str(caught.value)
+    assert "Choose another directory with out=, or replace that run with overwrite=True" in str(caught.value)
+    assert "--" not in str(caught.value) and caught.value.remedy == "out="
+
+
+def test_a_loop_under_one_name_keeps_every_run(
+    small: dict[str, Any], place: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def loop() -> list[stickslip.Run]:
+        runs = []
+        for scatter in (0.1, 0.2, 0.3):
+            small["random"]["relative_std"] = scatter
+            runs.append(stickslip.run(small))
+        return runs
+
+    first = loop()
+    said = capsys.readouterr().err
+    records = [(run.path / "run.json").read_bytes() for run in first]
+    assert len(set(first)) == 3 and first[0].path == place / "runs" / "small"
+    assert all(run.path.parent == place / "runs" and run.path.name.startswith("small-") for run in first[1:])
+    assert f"holds a run of another job; this one goes to runs/{first[1].path.name}" in said
+    assert len({surface_bytes(run) for run in first}) == 3
+    assert loop() == first
+    assert [(run.path / "run.json").read_bytes() for run in first] == records
+    # One with more samples goes on where it is.
+    more = stickslip.run(small, samples=2000, progress=False)
+    assert more == first[2] and set(more.surface()["n_samples"]) == {2000}
+
+
+def test_jobs_of_one_name_run_at_the_same_time(small: dict[str, Any]) -> None:
+    def work(seed: int) -> stickslip.Run:
+        return stickslip.run(small, progress=False, threads=1, seed=seed)
+
+    with ThreadPoolExecutor(4) as pool:
+        runs = list(pool.map(work, range(8)))
+    assert len(set(runs)) == 8
+    assert len({surface_bytes(run) for run in runs}) == 8
+
+
+def test_a_run_is_overwritten(small: dict[str, Any], place: Path) -> None:
+    run = stickslip.run(small, progress=False, samples=3000)
+    run.plot()
+    run.report()
+    (run.path / "notes.txt").write_text("mine", encoding="utf-8")
+    small["axes"]["preload"] = [0.1, 0.15, 0.2]
+    other = stickslip.run(small, progress=False, overwrite=True)
+    assert other == run and len(other.surface()) == 36 and set(other.surface()["n_samples"]) == {1000}
+    left = {file.name for file in run.path.iterdir()}
+    assert "notes.txt" in left and not left & {"surface.svg", "surface.png", "report.html"}
+    assert surface_bytes(stickslip.run(small, "new", progress=False)) == surface_bytes(other)
+    with pytest.raises(stickslip.CannotCreateError, match="is not empty and not a run directory"):
+        stickslip.run(small, place, progress=False, overwrite=True)
+
+
+def test_numbers_with_an_exponent_are_whole(small: dict[str, Any]) -> None:
+    small["sampling"]["samples"] = 1e4
+    small["axes"]["static_friction"]["points"] = 4.0
+    assert set(stickslip.run(small, progress=False).surface()["n_samples"]) == {10_000}
+    small["sampling"]["samples"] = 1e4 + 0.5
+    with pytest.raises(stickslip.JobError, match="sampling.samples is 10000.5; it must be a whole number"):
+        stickslip.run(small, progress=False)
+
+
+@pytest.mark.parametrize("frame", [pd.DataFrame, pl.DataFrame, pa.table, dict])
+def test_a_friction_curve_is_a_frame(small: dict[str, Any], frame: Any) -> None:
+    curve = {"speed": [0.0, 1.0, 3.0], "coefficient": [0.45, 0.26, 0.24]}
+    small["model"] = {"friction": {"law": "table", "table": frame(curve)}}
+    small["axes"] = {"preload": 0.1}
+    small["random"] = {"inputs": ["preload"], "relative_std": 0.1}
+    table = tomllib.loads(stickslip.check(small)["job"])["model"]["friction"]["table"]
+    assert table == curve
 
 
 def test_progress_and_output(small: dict[str, Any], capsys: pytest.CaptureFixture[str]) -> None:

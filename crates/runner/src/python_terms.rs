@@ -36,6 +36,9 @@ const ARGUMENTS: [&str; 25] = [
     "job",
 ];
 
+/// Those that take no value.
+const FLAGS: [&str; 2] = ["overwrite", "pointwise"];
+
 /// A message with calls for the commands between backticks, and arguments for options.
 pub fn in_python(text: &str) -> String {
     let mut done = String::with_capacity(text.len());
@@ -88,6 +91,9 @@ fn with_arguments(text: &str, is_code: bool) -> String {
         } else if !is_known {
             done += &option[..2];
             rest = &option[2..];
+        } else if FLAGS.contains(&name) {
+            let _ = write!(done, "{name}=True");
+            rest = after;
         } else if value.starts_with(|c: char| c.is_ascii_digit()) {
             let _ = write!(done, "{}=", name.replace('-', "_"));
             rest = value;
@@ -116,6 +122,7 @@ mod tests {
                 "Use --samples 1000, or choose another directory with --out",
                 "Use samples=1000, or choose another directory with out=",
             ),
+            ("replace it with --overwrite.", "replace it with overwrite=True."),
             ("submit it with `--out runs/a`", "submit it with `out='runs/a'`"),
             ("--cell 9: the run has cells 0 to 3", "cell=9: the run has cells 0 to 3"),
             ("--set pad.mass: no", "pad.mass: no"),

@@ -48,6 +48,44 @@ pub fn growth_rate(per_second: f64) -> String {
     format!("{sign}{} 1/s", significant(per_second))
 }
 
+/// Units that people write behind numbers, in the unit that parameters have, and which that is.
+const WRITTEN: [(&str, f64, &str); 17] = [
+    ("rpm", std::f64::consts::PI / 30.0, "rad/s"),
+    ("1/min", std::f64::consts::PI / 30.0, "rad/s"),
+    ("rad/s", 1.0, "rad/s"),
+    ("mm", 1e-3, "m"),
+    ("cm", 1e-2, "m"),
+    ("um", 1e-6, "m"),
+    ("m", 1.0, "m"),
+    ("m/s", 1.0, "m/s"),
+    ("km/h", 1.0 / 3.6, "m/s"),
+    ("N", 1.0, "N"),
+    ("kN", 1e3, "N"),
+    ("Pa", 1.0, "Pa"),
+    ("MPa", 1e6, "Pa"),
+    ("GPa", 1e9, "Pa"),
+    ("kHz", 1e3, "Hz"),
+    ("g", 1e-3, "kg"),
+    ("kg", 1.0, "kg"),
+];
+
+/// What is wrong with a number that has its unit behind it; `None` of anything else.
+pub fn number_with_unit(text: &str) -> Option<String> {
+    let end = text.find(|c: char| !c.is_ascii_digit() && !"+-.eE_".contains(c))?;
+    let (number, unit) = (text[..end].trim(), text[end..].trim());
+    let value: f64 = number.replace('_', "").parse().ok()?;
+    let is_unit = unit.starts_with(|c: char| c.is_alphabetic() || "°µ1".contains(c)) && unit.chars().count() <= 12;
+    if !is_unit || unit.contains(['=', ',', '[', ']', '"']) {
+        return None;
+    }
+    let same = WRITTEN.iter().find(|(name, ..)| *name == unit);
+    let same = same.map_or(String::new(), |(_, factor, si)| {
+        let value: f64 = format!("{:.8e}", value * factor).parse().unwrap_or(value);
+        format!("; {number} {unit} = {value} {si}")
+    });
+    Some(format!("{text} has a unit; write the number alone, in the unit that `stickslip parameters` lists{same}"))
+}
+
 /// Two numbers as a range; one where they look alike.
 pub fn range(from: f64, to: f64) -> String {
     let (from, to) = (significant(from), significant(to));
@@ -62,6 +100,17 @@ pub fn row(label: &str, scaled: &str, si: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_number_with_a_unit_is_told_from_other_words() {
+        let said = number_with_unit("143rpm").unwrap();
+        assert!(said.starts_with("143rpm has a unit; ") && said.ends_with("; 143 rpm = 14.974925 rad/s"), "{said}");
+        assert!(number_with_unit("2 mm").unwrap().ends_with("; 2 mm = 0.002 m"));
+        assert!(number_with_unit("3.5 furlongs").unwrap().ends_with(" lists"));
+        for text in ["143", "abc", "1e4", "0.1:0.2", "[1 2]", "1, 2 m", "2 = m"] {
+            assert_eq!(number_with_unit(text), None, "{text}");
+        }
+    }
 
     #[test]
     fn numbers_have_four_digits_and_a_fitting_unit() {

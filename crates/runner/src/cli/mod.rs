@@ -28,7 +28,7 @@ pub use self::pad_on_disc::{
 pub use self::reduction::ReduceArguments;
 pub use self::start::StartArgument;
 pub use self::threads::ThreadsArgument;
-use self::values::{html_file, parquet_file, plot_file, seed, whole_number};
+use self::values::{html_file, parquet_file, plot_file, probability, seed, whole_number};
 use crate::export::format::Format;
 use crate::job::MOST_SHARDS;
 use crate::messages::Form;
@@ -106,9 +106,12 @@ pub enum Command {
 /// Arguments of `init`.
 #[derive(Debug, Args)]
 pub struct InitArguments {
-    /// The file to write; - writes to standard output
-    #[arg(value_name = "FILE", default_value = "job.toml")]
-    pub file: PathBuf,
+    /// The file to write; - writes to standard output [default: job.toml, with --from NAME.toml]
+    #[arg(value_name = "FILE")]
+    pub file: Option<PathBuf>,
+    /// Write one of the jobs that come with the program, with the files that it names; a name that is none lists them
+    #[arg(long, value_name = "NAME")]
+    pub from: Option<String>,
 }
 
 /// Arguments of `submit`.
@@ -134,6 +137,9 @@ pub struct SubmitArguments {
     /// Samples in each cell (with until: at most), in place of the job's; more than a finished run has extend it
     #[arg(long, value_name = "N", value_parser = whole_number, allow_negative_numbers = true)]
     pub samples: Option<u64>,
+    /// Say first up to which values the probability is below this one, in place of the job's target
+    #[arg(long, value_name = "P", value_parser = probability, allow_negative_numbers = true)]
+    pub target: Option<f64>,
     /// Compute only one of N shards, to be merged later; I counts from 1 to N or from 0 to N-1. slurm takes both from the
     /// environment of a task of a job array
     #[arg(long, value_name = "I/N|slurm")]
@@ -171,7 +177,7 @@ pub struct ResumeArguments {
 #[derive(Debug, Args)]
 pub struct StatusArguments {
     /// The run directory, or a folder of run directories
-    #[arg(value_name = "DIR")]
+    #[arg(value_name = "DIR", default_value = "runs")]
     pub run: PathBuf,
     /// Show the progress of one run every second, until it ends
     #[arg(long, conflicts_with = "json")]
@@ -201,6 +207,9 @@ pub struct CheckArguments {
     /// Predict the times of shards and merge on so many machines, each with the threads of --threads
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub nodes: Option<u32>,
+    /// Also print the job with every key, those of defaults too, as a job that can be submitted
+    #[arg(long, conflicts_with = "json")]
+    pub all: bool,
     /// Print JSON
     #[arg(long)]
     pub json: bool,

@@ -84,9 +84,12 @@ pub fn check(arguments: &CheckArguments) -> Result<(), Failure> {
             format!("# {} draws no samples that nodes could share; one node computes it\n", job.sampling.method.asked())
         }
     };
+    let all = match arguments.all {
+        true => format!("\n{}", job.normalised()),
+        false => "# --all shows every key with its value, defaults too\n".to_owned(),
+    };
     result(&format!(
-        "{}\n# {} is valid.\n# {}: {}\n{}{}{cluster}",
-        job.normalised(),
+        "# {} is valid.\n# {}: {}\n{}{}{cluster}{all}",
         shown(&source.path),
         counted(job.cells().into(), "cell", "cells"),
         axes(&job),

@@ -3,7 +3,10 @@
 use std::fs;
 
 use clap::CommandFactory as _;
+use clap::builder::PossibleValuesParser;
+use clap_complete::Shell;
 
+use super::parameters;
 use crate::cli::{Cli, CompletionsArguments, ManArguments};
 use crate::failure::Failure;
 use crate::files::publish::publish;
@@ -17,9 +20,21 @@ pub fn schema() -> Result<(), Failure> {
 
 /// `stickslip completions`.
 pub fn completions(arguments: &CompletionsArguments) -> Result<(), Failure> {
+    let mut command = Cli::command();
+    // Any text is taken, such as the parameters of a model given by matrices; these keys are offered.
+    let keys: Vec<&'static str> = parameters::keys().map(|key| &*format!("{key}=").leak()).collect();
+    for name in ["analyse", "trajectory", "parameters"] {
+        let offered = PossibleValuesParser::new(keys.clone());
+        command = command.mut_subcommand(name, |command| command.mut_arg("set", |set| set.value_parser(offered)));
+    }
     let mut script = Vec::new();
-    clap_complete::generate(arguments.shell, &mut Cli::command(), "stickslip", &mut script);
-    result(&String::from_utf8_lossy(&script))
+    clap_complete::generate(arguments.shell, &mut command, "stickslip", &mut script);
+    let script = String::from_utf8_lossy(&script).into_owned();
+    result(&match arguments.shell {
+        // The value follows without a space.
+        Shell::Bash => script.replace("--set)\n", "--set)\n                    compopt -o nospace 2> /dev/null\n"),
+        _ => script,
+    })
 }
 
 /// `stickslip man`: the main page, then one for each command, in one text or in files of their own.

@@ -1,6 +1,6 @@
 //! The commands, and code that several of them share.
 
-mod describe;
+mod shipped_jobs;
 
 mod init;
 
@@ -29,6 +29,8 @@ mod motion_report;
 mod analyse;
 
 mod parameters;
+
+mod describe;
 
 mod adoption;
 

@@ -15,10 +15,12 @@ use stickslip_sampler::grid::Cell;
 use crate::cli::BrakeArguments;
 use crate::failure::Failure;
 use crate::job::friction::{LawSpec, check_band, read_curve};
+use crate::job::models::pad_on_disc::keys::parameter_of_axis;
 use crate::job::models::pad_on_disc::preload_force::{self, PRELOAD};
 use crate::job::{Job, JobSource, plausibility, unknown_parameter};
 use crate::output::{note, warn};
 use crate::store::directory::RunDirectory;
+use crate::units;
 
 /// A brake at one operating point.
 pub struct OneBrake {
@@ -126,6 +128,8 @@ fn changed(mut parameters: Parameters, changes: &[String]) -> Result<PadOnDisc, 
             return Err(refused("write KEY=VALUE, for example friction.static_coefficient=0.45".to_owned()));
         };
         let (key, value) = (key.trim(), value.trim());
+        // A quantity that is an axis of a job has the name that it has there, too.
+        let key = parameter_of_axis(key).unwrap_or(key);
         if let Some((_, before)) = changed.iter().find(|(other, _)| *other == key) {
             return Err(refused(format!("{key} is set a second time, after {key}={before}; leave one of the two out")));
         }
@@ -194,6 +198,6 @@ pub fn not_a_number(value: &str) -> String {
     let with_point = value.replacen(',', ".", 1);
     match with_point.parse::<f64>() {
         Ok(_) => format!("{value} has a decimal comma; write {with_point}"),
-        Err(_) => format!("{value:?} is not a number"),
+        Err(_) => units::number_with_unit(value).unwrap_or_else(|| format!("{value:?} is not a number")),
     }
 }

@@ -10,6 +10,7 @@ use super::one_brake::changed_preset;
 use crate::cli::ParametersArguments;
 use crate::failure::Failure;
 use crate::job::friction::{CurveColumns, LAWS};
+use crate::job::models::pad_on_disc::preload_force;
 use crate::output::{broken, result};
 use crate::picture::view::rounded;
 
@@ -20,6 +21,11 @@ const COLUMNS: [usize; 5] = [30, 6, 9, 11, 9];
 /// What the two keys of friction are that have no number.
 const LAW: &str = "friction law: stribeck, rational or table";
 const TABLE: &str = "measured curve of the law table, a CSV file";
+
+/// The keys that `--set` takes.
+pub fn keys() -> impl Iterator<Item = &'static str> {
+    SCALARS.iter().map(|scalar| scalar.key).chain([preload_force::KEY, "friction.law", "friction.table"])
+}
 
 /// `stickslip parameters`.
 pub fn parameters(arguments: &ParametersArguments) -> Result<(), Failure> {

@@ -34,6 +34,7 @@ pub fn submit(arguments: &SubmitArguments, interrupt: &Interrupt) -> Result<(), 
     let overrides = Overrides { seed: arguments.seed, samples: arguments.samples };
     let source = JobSource::read(&arguments.job)?.with(overrides)?;
     let job = source.job()?;
+    let target = job.target;
     warn(job.warnings());
     if arguments.map_only && !job.uses_maps() {
         return Err(Failure::Usage(format!("--map-only: {WITHOUT_MAP}")));
@@ -59,6 +60,7 @@ pub fn submit(arguments: &SubmitArguments, interrupt: &Interrupt) -> Result<(), 
             }
             let (job, state) = adopt(&directory, &source, job)?;
             let job = with_limits_of(&directory, job, &source)?;
+            let job = Job { target: arguments.target.or(target), ..job };
             (directory, job, state)
         }
     };

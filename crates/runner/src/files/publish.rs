@@ -47,12 +47,20 @@ pub fn publish_with<E: From<io::Error>>(
     Ok(sync(directory)?)
 }
 
+/// The error of the system behind one that names a file.
+fn cause(error: &io::Error) -> Option<io::Error> {
+    let cause = error.get_ref()?.source()?.downcast_ref::<io::Error>()?;
+    cause.raw_os_error().map(io::Error::from_raw_os_error)
+}
+
 /// A temporary file, which a signal removes.
 fn temporary(directory: &Path) -> io::Result<(Unfinished, NamedTempFile)> {
     unfinished::create(|| {
         // Temporary files are private by default. The umask takes from these rights what the user wants to be taken.
         let rights = fs::Permissions::from_mode(0o666);
-        let temporary = tempfile::Builder::new().prefix(PREFIX).permissions(rights).tempfile_in(directory)?;
+        let temporary = tempfile::Builder::new().prefix(PREFIX).permissions(rights).tempfile_in(directory);
+        // The name of the file of which it speaks has been made up here.
+        let temporary = temporary.map_err(|error| cause(&error).unwrap_or(error))?;
         let path = temporary.path().to_owned();
         Ok((temporary, path))
     })

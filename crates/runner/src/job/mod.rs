@@ -22,6 +22,8 @@ mod engine;
 
 mod limit_spec;
 
+mod target_spec;
+
 mod limit_request;
 
 mod syntax;

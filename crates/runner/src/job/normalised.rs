@@ -46,6 +46,7 @@ impl Job {
             criterion: Some(criterion.into()),
             sampling: (&self.sampling).into(),
             limit: None,
+            target: None,
             engine: EngineSpec::default(),
         }
     }

@@ -10,6 +10,7 @@ use super::engine::EngineSpec;
 use super::limit_spec::LimitSpec;
 use super::random_spec::RandomSpec;
 use super::sampling_spec::SamplingSpec;
+use super::target_spec::TargetSpec;
 
 /// A stickslip job: the probability of instability of a model over a grid of operating points.
 ///
@@ -45,6 +46,10 @@ pub struct JobSpec {
     #[serde(skip_serializing)]
     #[schemars(with = "Option<LimitSpec>")]
     pub limit: Option<Spanned<LimitSpec>>,
+    /// Which probability the summary of a run answers first. The surface does not depend on it.
+    #[serde(skip_serializing)]
+    #[schemars(with = "Option<TargetSpec>")]
+    pub target: Option<Spanned<TargetSpec>>,
     /// What a cluster is asked for. The surface does not depend on it.
     #[serde(default, skip_serializing)]
     pub engine: EngineSpec,

@@ -5,6 +5,7 @@ use std::ops::Range;
 use toml::de::Error;
 
 use super::diagnosis::Complaint;
+use crate::units;
 
 /// One complaint for each line that is no TOML, up to one that leaves the rest of the text without meaning.
 pub fn errors(text: &str, mut errors: Vec<Error>) -> Vec<Complaint> {
@@ -50,8 +51,23 @@ fn in_words(line: &str) -> Option<String> {
     if value.is_empty() || value.starts_with('#') {
         return Some(format!("{key} has no value"));
     }
+    let value = value.split_once(" #").map_or(value, |(value, _)| value.trim_end());
+    let is_curly = |c: char| "“”„‟‘’‚«»".contains(c);
+    if value.contains(is_curly) && !value.starts_with(['"', '\'']) {
+        let plain = value.trim_matches(is_curly);
+        let right = if plain.parse::<f64>().is_ok() { plain.to_owned() } else { format!("\"{plain}\"") };
+        return Some(format!("{value} has typographic quotation marks; write straight ones: {key} = {right}"));
+    }
+    let minus = |c: char| "−–—".contains(c);
+    if value.contains(minus) && !value.starts_with(['"', '\'']) {
+        let right = value.replace(minus, "-");
+        return Some(format!("{value} has a dash that is no minus sign; write {key} = {right}"));
+    }
     if value.starts_with(['"', '\'']) {
         return None;
+    }
+    if let Some(said) = units::number_with_unit(value) {
+        return Some(said);
     }
     if let Some((before, _)) = value.split_once('%') {
         return Some(format!("a comment begins with #, not with %: {key} = {} # ...", before.trim()));

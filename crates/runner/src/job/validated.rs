@@ -46,6 +46,8 @@ pub struct Job {
     pub sampling: Sampling,
     /// Which limits are written beside the surface.
     pub limit: Option<LimitRequest>,
+    /// Which probability the summary answers first.
+    pub target: Option<f64>,
     /// What a cluster is asked for.
     pub engine: EngineSettings,
 }

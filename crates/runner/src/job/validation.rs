@@ -17,6 +17,7 @@ use super::model::{Draft, OutsidePhysics, Parts};
 use super::random::RandomInputSet;
 use super::scatter::Names;
 use super::spec::JobSpec;
+use super::target_spec::TargetSpec;
 use super::validated::{Job, MOST_MAPS};
 
 /// Largest number of parts of cells that are counted apart.
@@ -56,6 +57,7 @@ pub fn validate(spec: &JobSpec, mut draft: Box<dyn Draft>, folder: &Path, compla
     let outside_physics = complaints.take(validate_outside_physics(given_policy, sampling.as_ref()));
     let engine = EngineSettings::validate(&spec.engine, complaints);
     LimitRequest::check_keys(spec.limit.as_ref(), complaints);
+    let target = TargetSpec::checked(spec.target.as_ref(), complaints);
     if complaints.len() > before || complaints.has_unread(&[]) {
         return None;
     }
@@ -68,6 +70,7 @@ pub fn validate(spec: &JobSpec, mut draft: Box<dyn Draft>, folder: &Path, compla
         outside_physics: outside_physics?,
         sampling: sampling?,
         limit: None,
+        target,
         engine,
     };
     let fitting = fits_a_map(&job, spec).and_then(|()| fits_in_memory(&job));
@@ -88,12 +91,35 @@ fn validate_name(name: Option<&Spanned<String>>, complaints: &mut Complaints) ->
     let allowed = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.');
     if text.is_empty() || text.len() > 100 || text.starts_with('.') || !text.chars().all(allowed) {
         let message = format!(
-            "name = {text:?} cannot name a run directory: use 1 to 100 letters, digits, '-', '_' and '.', not starting with '.'"
+            "name = {text:?} cannot name a run directory: use 1 to 100 letters from A to Z, digits, '-', '_' and '.', not starting with '.', for example {:?}",
+            plain_name(text)
         );
         complaints.push(Complaint::at(name.span(), message));
         return None;
     }
     Some(text.clone())
+}
+
+/// A name like another one that can name a run directory.
+fn plain_name(text: &str) -> String {
+    let plain = |c: char| match c {
+        'ä' => "ae".to_owned(),
+        'ö' => "oe".to_owned(),
+        'ü' => "ue".to_owned(),
+        'Ä' => "Ae".to_owned(),
+        'Ö' => "Oe".to_owned(),
+        'Ü' => "Ue".to_owned(),
+        'ß' => "ss".to_owned(),
+        'é' | 'è' | 'ê' => "e".to_owned(),
+        'à' | 'á' | 'â' => "a".to_owned(),
+        'ç' => "c".to_owned(),
+        'ñ' => "n".to_owned(),
+        c if c.is_ascii_alphanumeric() || "-_.".contains(c) => c.to_string(),
+        _ => "-".to_owned(),
+    };
+    let name: String = text.chars().map(plain).collect();
+    let name: String = name.trim_matches(['.', '-']).chars().take(100).collect();
+    if name.is_empty() { "my-brake".to_owned() } else { name }
 }
 
 /// The grid of the axes.

@@ -1,5 +1,7 @@
 //! The result in a sentence or two: where the probability is surely small.
 
+use std::collections::BTreeMap;
+
 use stickslip_sampler::estimate::interval::Estimate;
 
 use crate::job::Job;
@@ -20,17 +22,22 @@ pub fn answer(job: &Job, cells: &[Estimate]) -> String {
     let counts = LIMITS.map(|limit| high.iter().filter(|high| **high < limit).count());
     let sure = format!("({})", job.sampling.method.upper_ends(&job.sampling));
     let [one, five, fifty] = counts;
+    let view = GridView::new(job);
+    let first = job.target.map_or_else(String::new, |target| of_target(job, &view, &high, target));
+    if total == 1 && job.target.is_some() {
+        return first;
+    }
     if total == 1 {
         let limit = LIMITS.into_iter().zip(counts).find(|(_, count)| *count == 1);
         let below = |(limit, _): (f64, usize)| format!("P is below {} {sure}.\n", percent(limit));
         return limit.map_or_else(|| format!("P is not surely below {}.\n", percent(LIMITS[2])), below);
     }
-    let mut text =
-        format!("P is below 1 % in {one} of {total} cells, below 5 % in {five}, below 50 % in {fifty} {sure}.\n");
-    let view = GridView::new(job);
+    let mut text = format!(
+        "{first}P is below 1 % in {one} of {total} cells, below 5 % in {five}, below 50 % in {fifty} {sure}.\n"
+    );
     let long = [view.vertical(), view.horizontal()].into_iter().flatten();
     if let Some((axis, ends)) =
-        long.map(|axis| (axis, ends(axis, &high))).find(|(_, ends)| ends.iter().any(Option::is_some))
+        long.map(|axis| (axis, ends(axis, &high, &LIMITS))).find(|(_, ends)| ends.iter().any(Option::is_some))
     {
         // What is below a limit everywhere is below the larger ones too.
         let needed = 1 + ends.iter().position(|end| *end == Some(End::Everywhere)).unwrap_or(ends.len() - 1);
@@ -64,32 +71,75 @@ impl End {
     }
 }
 
+/// Most combinations of the other axes that get a line each.
+const MOST_LINES: usize = 12;
+
+/// Up to which value of the axis that runs upwards, or of the only one, the probability is surely below a target: for each
+/// combination of the others, and for all. What is said holds at the values that were computed.
+fn of_target(job: &Job, view: &GridView, high: &[f64], target: f64) -> String {
+    let below = format!("P < {}", percent(target));
+    let sure = job.sampling.method.upper_ends(&job.sampling);
+    let Some(axis) = view.vertical().or(view.horizontal()) else {
+        let is_met = high.first().is_some_and(|high| *high < target);
+        let found = if is_met { "is" } else { "is not surely" };
+        return format!("Probability of instability P {found} below {} ({sure}).\n", percent(target));
+    };
+    let said = |end: Option<End>| end.map_or(format!("for no {}", axis.key()), |end| end.text(axis));
+    let [all] = ends(axis, high, &[target])[..] else { return String::new() };
+    let mut combinations: BTreeMap<u64, Vec<(u64, f64)>> = BTreeMap::new();
+    for (cell, high) in (0..).zip(high) {
+        combinations.entry(cell - axis.offset(cell)).or_default().push((cell, *high));
+    }
+    let several = if combinations.len() > 1 { ", whatever the other axes" } else { "" };
+    let mut text = format!(
+        "Target: {below}, with P the probability of instability. {below} {}{several} ({sure}; at the values that were computed, not between them).\n",
+        said(all)
+    );
+    if (2..=MOST_LINES).contains(&combinations.len()) {
+        for (first, cells) in &combinations {
+            let place = view.others_of(job, *first, axis);
+            text += &format!("At {place}: {below} {}.\n", said(end(axis, cells.iter().copied(), target)));
+        }
+    } else if combinations.len() > MOST_LINES {
+        let found = combinations.values().filter(|cells| end(axis, cells.iter().copied(), target).is_some()).count();
+        text += &format!(
+            "Of {} combinations of the other axes, {found} have {below} from an end of the {} on; `stickslip limit` finds where each ends.\n",
+            combinations.len(),
+            axis.key()
+        );
+    }
+    text
+}
+
 /// For each limit the longest part of the axis, from either end, in all cells of which the probability is below it.
-fn ends(axis: &ViewAxis, high: &[f64]) -> [Option<End>; LIMITS.len()] {
+fn ends(axis: &ViewAxis, high: &[f64], limits: &[f64]) -> Vec<Option<End>> {
+    limits.iter().map(|&limit| end(axis, (0..).zip(high.iter().copied()), limit)).collect()
+}
+
+/// The longest part of the axis, from either end, in all of some cells of which the probability is below a limit.
+fn end(axis: &ViewAxis, cells: impl Iterator<Item = (u64, f64)>, limit: f64) -> Option<End> {
     let mut worst = vec![f64::NEG_INFINITY; axis.values.len()];
-    for (cell, high) in high.iter().enumerate() {
-        let worst = &mut worst[axis.position(cell as u64)];
+    for (cell, high) in cells {
+        let worst = &mut worst[axis.position(cell)];
         // No number is worse than any.
-        *worst = if high.is_nan() { f64::INFINITY } else { worst.max(*high) };
+        *worst = if high.is_nan() { f64::INFINITY } else { worst.max(high) };
     }
     // A list of values need not rise.
     let mut rising: Vec<(f64, f64)> = axis.values.iter().copied().zip(worst).collect();
     rising.sort_by(|(a, _), (b, _)| a.total_cmp(b));
-    LIMITS.map(|limit| {
-        let is_small = |(_, worst): &&(f64, f64)| *worst < limit;
-        let (first, last) =
-            (rising.iter().take_while(is_small).count(), rising.iter().rev().take_while(is_small).count());
-        let length = rising.len();
-        if first == length {
-            Some(End::Everywhere)
-        } else if first == 0 && last == 0 {
-            None
-        } else if first >= last {
-            Some(End::UpTo(rising[first - 1].0))
-        } else {
-            Some(End::From(rising[length - last].0))
-        }
-    })
+    let is_small = |(_, worst): &&(f64, f64)| *worst < limit;
+    let first = rising.iter().take_while(is_small).count();
+    let last = rising.iter().rev().take_while(is_small).count();
+    let length = rising.len();
+    if first == length {
+        Some(End::Everywhere)
+    } else if first == 0 && last == 0 {
+        None
+    } else if first >= last {
+        Some(End::UpTo(rising[first - 1].0))
+    } else {
+        Some(End::From(rising[length - last].0))
+    }
 }
 
 fn percent(limit: f64) -> String {
@@ -126,6 +176,28 @@ mod tests {
         assert!(!answer(&job, &cells(&[0.9; 12])).contains("whatever"));
         assert!(answer(&job, &cells(&[0.001; 12])).contains("\nP < 1 % for every preload, whatever the other axes.\n"));
         assert!(!answer(&job, &cells(&[f64::NAN; 12])).contains("whatever"), "what is not known is not small");
+    }
+
+    #[test]
+    fn the_target_is_answered_first() {
+        let of = |axes: &str, high: &[f64]| {
+            let job = Job { target: Some(0.05), ..job(axes) };
+            let text = answer(&job, &cells(high));
+            text.split_once("P is below 1 %").map_or(text.clone(), |(first, _)| first.to_owned())
+        };
+        let axes = "rotating_speed = 15.0\npreload = [0.1, 0.2, 0.3]\nstatic_friction = 0.4";
+        assert_eq!(
+            of(axes, &[0.01, 0.03, 0.06]),
+            "Target: P < 5 %, with P the probability of instability. P < 5 % for preload up to 0.2 (upper ends of the 95 % intervals; at the values that were computed, not between them).\n"
+        );
+        assert!(of(axes, &[0.06, 0.03, f64::NAN]).contains("P < 5 % for no preload ("));
+        let two = "rotating_speed = [10.0, 15.0]\npreload = [0.1, 0.2, 0.3]\nstatic_friction = 0.4";
+        let text = of(two, &[0.01, 0.06, 0.04, 0.01, 0.03, 0.04]);
+        assert!(text.contains("P < 5 % for rotating speed from 15 rad/s, whatever the other axes ("), "{text}");
+        assert!(text.contains("\nAt preload = 0.1: P < 5 % for every rotating speed.\n"), "{text}");
+        let single = "rotating_speed = 15.0\npreload = 0.1\nstatic_friction = 0.4";
+        assert!(of(single, &[0.04]).starts_with("Probability of instability P is below 5 % (upper"));
+        assert!(of(single, &[0.06]).starts_with("Probability of instability P is not surely below 5 % (upper"));
     }
 
     #[test]

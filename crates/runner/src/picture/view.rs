@@ -70,6 +70,11 @@ impl ViewAxis {
     pub fn position(&self, cell: u64) -> usize {
         (cell / self.stride % self.values.len() as u64) as usize
     }
+
+    /// How many cells lie between a cell and the one with the first value of this axis.
+    pub fn offset(&self, cell: u64) -> u64 {
+        self.position(cell) as u64 * self.stride
+    }
 }
 
 /// The axes of a grid and those that pictures show.
@@ -203,6 +208,17 @@ impl GridView {
     pub fn place_of(&self, job: &Job, cell: u64) -> String {
         let values = self.values_of(cell, |_| true).join(", ");
         if self.axes[self.std].values.len() > 1 { format!("{values}; {}", scatter(job, cell)) } else { values }
+    }
+
+    /// Where a cell lies on the axes of several values but one: "10 rad/s, static friction = 0.4".
+    pub fn others_of(&self, job: &Job, cell: u64, but: &ViewAxis) -> String {
+        let is_other = |axis: usize| self.axes[axis].values.len() > 1 && self.axes[axis].stride != but.stride;
+        let values = self.values_of(cell, is_other).join(", ");
+        match (is_other(self.std), values.is_empty()) {
+            (false, _) => values,
+            (true, true) => scatter(job, cell),
+            (true, false) => format!("{values}; {}", scatter(job, cell)),
+        }
     }
 
     /// The configuration of a cell: its values on all axes but those of the pair and of standard deviations.

@@ -17,6 +17,10 @@ const PLAIN_SHORTEST: Duration = Duration::from_secs(2);
 /// Time between messages for programs, which draw a bar of them.
 const JSON_INTERVAL: Duration = Duration::from_millis(200);
 
+/// Characters of a bar, and of what stands beside it but for the text.
+const BAR: usize = 20;
+const BESIDE: usize = 8;
+
 /// What is known of the total.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Total {
@@ -52,7 +56,7 @@ impl Progress {
         let total = u64::try_from(total).unwrap_or(u64::MAX);
         let bar = (io::stderr().is_terminal() && !are_json()).then(|| {
             let bar = ProgressBar::with_draw_target(Some(total), ProgressDrawTarget::stderr());
-            let style = ProgressStyle::with_template("{bar:30} {percent:>3} %  {msg}");
+            let style = ProgressStyle::with_template(&format!("{{bar:{BAR}}} {{percent:>3}} %  {{wide_msg}}"));
             bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
         });
         let now = Instant::now();
@@ -95,7 +99,10 @@ impl Progress {
         if let Some(bar) = &self.bar {
             bar.set_length(self.total);
             bar.set_position(self.done);
-            bar.set_message(self.text());
+            // A line that is too long would leave parts of it behind.
+            let width = rustix::termios::tcgetwinsize(io::stderr()).map_or(80, |size| usize::from(size.ws_col));
+            let fitting = self.texts().into_iter().find(|text| BAR + BESIDE + text.chars().count() < width);
+            bar.set_message(fitting.unwrap_or_else(|| self.left()));
             return;
         }
         let since = self.last_line.elapsed();
@@ -111,7 +118,8 @@ impl Progress {
             self.last_done = self.done;
             self.has_shown_time_left |= is_first;
             let share = 100.0 * self.done as f64 / self.total.max(1) as f64;
-            let message = Message::new(Code::Progress, &format!("{share:.0} %: {}", self.text()));
+            let [text, _] = self.texts();
+            let message = Message::new(Code::Progress, &format!("{share:.0} %: {text}"));
             Message { progress: Some(self.numbers()), ..message }.send();
         }
     }
@@ -144,16 +152,24 @@ impl Progress {
         }
     }
 
-    /// What is done, how fast, and how long the rest takes.
-    fn text(&self) -> String {
-        let rate = rate(self.rate());
-        let left = match self.time_left() {
+    /// How long the rest takes.
+    fn left(&self) -> String {
+        let step = if self.step.is_empty() { String::new() } else { format!(" for {}", self.step) };
+        match self.time_left() {
+            _ if self.done >= self.total && self.kind == Total::Known => "finishing".to_owned(),
             Prediction::Unknown => "estimating the time left".to_owned(),
-            known if self.step.is_empty() => format!("{known} left"),
-            known => format!("{known} left for {}", self.step),
-        };
-        format!(
-            "{} of {}{} {unit}, {rate} {unit}/s, {left}",
+            known if known.seconds().is_some_and(|seconds| seconds < 1.0) => {
+                format!("less than a second left{step}")
+            }
+            known => format!("{known} left{step}"),
+        }
+    }
+
+    /// What is done, how fast, and how long the rest takes; and the same without how fast.
+    fn texts(&self) -> [String; 2] {
+        let (rate, left) = (rate(self.rate()), self.left());
+        let done = format!(
+            "{} of {}{} {unit}",
             HumanCount(self.done),
             match self.kind {
                 Total::Known => "",
@@ -162,7 +178,8 @@ impl Progress {
             },
             HumanCount(self.total),
             unit = self.unit
-        )
+        );
+        [format!("{done}, {rate} {}/s, {left}", self.unit), format!("{done}, {left}")]
     }
 
     /// Removes the bar.

@@ -66,6 +66,12 @@ impl FinishedSurface {
                 let text = format!("{} is damaged: {why}; `{remedy}` writes it again", surface.display());
                 Err(Failure::InputOutput(text).coded(Code::Damaged).at(Place::file(&surface)).remedied(remedy))
             }
+            FileState::Absent | FileState::OfAnotherJob if directory.in_use() => {
+                let watch = format!("stickslip status {} --watch", quoted(run));
+                let text =
+                    format!("{} has no surface yet: it is being computed; wait for it with `{watch}`", run.display());
+                Err(Failure::Job(text).coded(Code::Incomplete).remedied(watch))
+            }
             FileState::Absent | FileState::OfAnotherJob => {
                 let resume = format!("stickslip resume {}", quoted(run));
                 let text = format!("{} has no surface yet; finish it with `{resume}`", run.display());

@@ -26,8 +26,11 @@ const AXES: [(&str, &str, &str); 4] = [
         preload_force::NAME,
         "In place of `preload`: expected contact force, from 0 to the force at preload 1, unit N",
     ),
-    ("friction.static_coefficient", "static_friction", "Expected static friction coefficient"),
+    (STATIC, "static_friction", "Expected static friction coefficient"),
 ];
+
+/// The parameter that is meant where friction is said.
+const STATIC: &str = "friction.static_coefficient";
 
 /// The axis of a job along which a parameter varies.
 pub fn axis_of(key: &str) -> Option<&'static str> {
@@ -54,6 +57,8 @@ pub fn parameter(word: &str) -> Option<&'static Scalar> {
     let by = |matches: &dyn Fn(&Scalar) -> bool| SCALARS.iter().find(|scalar| matches(scalar));
     let has_part = |scalar: &&Scalar| scalar.name().split('_').any(|part| part == word);
     let with_part = || SCALARS.iter().find(has_part).filter(|_| SCALARS.iter().filter(has_part).count() == 1);
+    // The section of the same name has parameters that few people mean.
+    let bare = if ["friction", "mu", "friction_coefficient"].contains(&bare) { STATIC } else { bare };
     by(&|scalar| scalar.key == bare)
         .or_else(|| parameter_of_axis(axis).and_then(|key| by(&|scalar| scalar.key == key)))
         .or_else(|| by(&|scalar| scalar.symbol == word))
@@ -120,9 +125,11 @@ pub const AXIS_NAMES: &str = "rotating_speed, preload (or preload_force), static
 /// The complaint about an axis of something that does not exist.
 pub fn unknown_axis(name: &str) -> String {
     if !name.contains('.') {
-        let near = || nearest(name, AXES.iter().map(|(_, axis, _)| *axis).chain(SECTIONS));
+        let others = SECTIONS.into_iter().filter(|section| *section != name);
+        let near = || nearest(name, AXES.iter().map(|(_, axis, _)| *axis).chain(others));
         let near = near().map(|right| format!("; did you mean `{right}`?"));
-        let hint = belongs(name).or(near).or_else(|| suggested(name, "axes")).unwrap_or_default();
+        let exact = || parameter(name).is_some().then(|| suggested(name, "axes")).flatten();
+        let hint = belongs(name).or_else(exact).or(near).unwrap_or_default();
         return format!("unknown key `{name}` in [axes]{hint} (it may have {AXIS_NAMES})");
     }
     let bare = name.strip_prefix("criterion.").unwrap_or(name);

@@ -74,6 +74,15 @@ fn written(value: f64) -> String {
 /// What a user may have meant by a value of a parameter that was refused, as the end of a message.
 pub fn hint(key: &str, value: f64, parameters: &Parameters) -> String {
     if key == "operating_point.preload" && value > 1.0 {
+        let of_thickness = 1e-3 * value / parameters.disc.thickness;
+        if of_thickness <= 1.0 {
+            let mm = written(value);
+            return format!(
+                ". Preload has no unit: it is the displacement of the calliper over the thickness of the disc, {} mm here. Write {} for {mm} mm; a force of {mm} N is preload_force = {mm} in its place",
+                written(1e3 * parameters.disc.thickness),
+                written(of_thickness)
+            );
+        }
         return format!(
             ". Preload is the displacement of the calliper over the thickness of the disc, not a force: preload 1 presses with {} N here, N = h Delta k_en k_y / (k_en + k_y); write {} for {force} N, or give preload_force = {force} in its place",
             written(1.0 / parameters.preload_of(1.0)),
