@@ -4,7 +4,8 @@
 
 mod common;
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
+use std::ffi::OsString;
 use std::fs;
 use std::io::{BufRead as _, BufReader};
 use std::process::{Child, Command, Stdio};
@@ -159,6 +160,185 @@ fn sobol_points_are_kept_inside_a_randomisation() {
 #[test]
 fn samples_between_two_looks_are_kept() {
     advances(|samples| format!("until = {{ half_width = 0.005, confidence = 0.9, at_most = {samples} }}"));
+}
+
+/// The answers of searches that are kept in a folder: the most of each search.
+fn answers_kept(place: &Place, folder: &str) -> u64 {
+    let mut most: BTreeMap<(u64, u64), u64> = BTreeMap::new();
+    for name in names_in(place, folder) {
+        let text = fs::read_to_string(place.path(folder).join(name)).unwrap_or_default();
+        for line in text.lines().skip(1) {
+            let (cell, number, first, answers): (u64, u64, u64, Vec<u64>) = serde_json::from_str(line).unwrap();
+            let kept = most.entry((cell, number)).or_default();
+            *kept = (*kept).max(first + answers.len() as u64);
+        }
+    }
+    most.values().sum()
+}
+
+/// The names of the pieces in a folder.
+fn names_in(place: &Place, folder: &str) -> BTreeSet<OsString> {
+    let entries = fs::read_dir(place.path(folder)).into_iter().flatten();
+    let names = entries.map(|entry| entry.unwrap().file_name());
+    names.filter(|name| !name.to_string_lossy().starts_with('.')).collect()
+}
+
+/// Begins or resumes a run of `slow.toml`.
+fn go_on(place: &Place) -> Running {
+    match place.path("run/job.toml").exists() {
+        true => Running::start(place, "resume run --threads 1"),
+        false => Running::start(place, "submit slow.toml --out run --threads 1"),
+    }
+}
+
+/// Lets a command work for some milliseconds, and ends it by SIGTERM; false if it had come to its end.
+fn stopped_after(mut running: Running, milliseconds: u64) -> bool {
+    let started = Instant::now();
+    while running.is_running() && started.elapsed() < Duration::from_millis(milliseconds) {
+        thread::sleep(Duration::from_millis(10));
+    }
+    if running.is_running() {
+        return running.stop_or_end("TERM").is_ok();
+    }
+    running.ended(Instant::now(), 0);
+    false
+}
+
+/// A job of rare events with eight random inputs on a flexible disc, whose searches take seconds.
+fn slow_search(sampling: &str) -> String {
+    slow_job(sampling)
+        .replace("record = [\"amplitude\"]\n", "")
+        .replace("static_friction = 0.3\n", "static_friction = 0.25\n")
+        .replace("relative_std = 0.1", "relative_std = 0.05")
+}
+
+/// A batch system ends a run again and again, each time sooner than a search ends.
+#[track_caller]
+fn searches_advance(sampling: &str) {
+    let place = Place::new();
+    place.write("slow.toml", &slow_search(sampling));
+    let (mut before, mut sessions) = ((0, 0), 0);
+    while stopped_after(go_on(&place), 1000) {
+        let now = (answers_kept(&place, "run/searches"), samples_done(&place, "run"));
+        assert!(now.0 + now.1 > before.0 + before.1, "no progress in session {sessions}: {now:?}");
+        (before, sessions) = (now, sessions + 1);
+    }
+    assert!(sessions >= 3 && before.0 > 1000, "it was too short for this test: {sessions} sessions, {before:?}");
+    place.run("submit slow.toml --out whole").done();
+    assert!(place.surface("run") == place.surface("whole"));
+    assert!(place.run("verify run").done().stdout.contains("searches"));
+}
+
+#[test]
+fn a_search_for_rare_events_goes_on_where_a_signal_ended_it() {
+    searches_advance("method = \"importance\"\nsamples = 256\nrandomisations = 4\nparticles = 200");
+}
+
+#[test]
+fn a_population_goes_on_where_a_signal_ended_it() {
+    searches_advance("method = \"subset\"\nrandomisations = 4\nparticles = 100");
+}
+
+/// Nothing is asked for twice of what was on disk before `kill -9`; what is damaged or of another run is not used.
+#[test]
+fn a_search_that_is_killed_goes_on_from_what_is_on_disk() {
+    let place = Place::new();
+    let sampling = "method = \"importance\"\nsamples = 256\nrandomisations = 4\nparticles = 400\nseed = 2";
+    place.write("slow.toml", &slow_search(sampling));
+    let folder = "run/searches";
+    for session in 0..2 {
+        let (before, mut running) = (answers_kept(&place, folder), go_on(&place));
+        while answers_kept(&place, folder) <= before {
+            assert!(running.is_running(), "it is too short for this test: session {session}");
+            thread::sleep(Duration::from_millis(20));
+        }
+        running.send("KILL");
+        assert!(!running.child.wait().unwrap().success());
+        assert_eq!(samples_done(&place, "run"), 0);
+    }
+    let kept: Vec<OsString> = names_in(&place, folder).into_iter().collect();
+    assert!(kept.len() >= 2, "{kept:?}");
+    let copies: Vec<Vec<u8>> = kept.iter().map(|name| fs::read(place.path(folder).join(name)).unwrap()).collect();
+    // The answers of another seed, one piece cut short, and one with another bit.
+    place.write("slow.toml", &slow_search(&sampling.replace("seed = 2", "seed = 3")));
+    assert!(stopped_after(Running::start(&place, "submit slow.toml --out other --threads 1"), 1000));
+    let foreign: Vec<OsString> = names_in(&place, "other/searches").into_iter().collect();
+    let to = place.path(folder).join(&foreign[0]);
+    fs::copy(place.path("other/searches").join(&foreign[0]), to).unwrap();
+    fs::write(place.path(folder).join(&kept[0]), &copies[0][..copies[0].len() / 2]).unwrap();
+    let mut flipped = copies[1].clone();
+    flipped[copies[1].len() / 2] ^= 1;
+    fs::write(place.path(folder).join(&kept[1]), flipped).unwrap();
+    let said = place.run("resume run").done().stderr;
+    for name in [&foreign[0], &kept[0], &kept[1]] {
+        let name = name.to_string_lossy();
+        assert!(said.contains(&format!("{name} is ignored")), "{name}: {said}");
+    }
+    place.write("slow.toml", &slow_search(sampling));
+    place.run("submit slow.toml --out whole").done();
+    assert!(place.surface("run") == place.surface("whole"));
+}
+
+#[test]
+fn what_is_found_of_limits_is_kept() {
+    let place = Place::new();
+    place.write(
+        "slow.toml",
+        "name = \"limits\"\n[axes]\nrotating_speed = [12.0, 15.0]\npreload = [0.01, 0.3]\nstatic_friction = 0.39\n[random]\n\
+         inputs = [\"preload\", \"static_friction\", \"friction.kinetic_coefficient\"]\nrelative_std = 0.1\n[criterion]\n\
+         kind = \"eigenvalue\"\n[sampling]\nmethod = \"conditional\"\nsamples = 2048\n[limit]\nof = \"preload\"\n\
+         probability = [0.01, 0.2]\n",
+    );
+    let (mut before, mut sessions) = (0, 0);
+    while stopped_after(go_on(&place), 700) {
+        let now = answers_kept(&place, "run/limits");
+        assert!(
+            now > before || samples_done(&place, "run") < 8192 || now == 0,
+            "no progress in session {sessions}: {now}"
+        );
+        (before, sessions) = (now, sessions + 1);
+    }
+    assert!(sessions >= 2 && before > 30, "it was too short for this test: {sessions} sessions, {before}");
+    assert!(!place.path("run/limits").exists(), "what is needed no more is removed");
+    place.run("submit slow.toml --out whole").done();
+    let limits = |run: &str| fs::read(place.path(run).join("limits.parquet")).unwrap();
+    assert!(limits("run") == limits("whole") && place.surface("run") == place.surface("whole"));
+}
+
+#[test]
+fn what_is_found_of_bounds_is_kept_beside_their_file() {
+    let place = Place::new();
+    place.write(
+        "slow.toml",
+        "name = \"bounds\"\n[axes]\npreload = { from = 0.05, to = 0.3, points = 40 }\nstatic_friction = { one_of = [0.37, 0.4] }\n\
+         [random]\ninputs = [\"preload\", \"static_friction\"]\nrelative_std = { between = [0.1, 0.2] }\n\
+         correlation = [[\"preload\", \"static_friction\", { between = [-0.5, 0.0] }]]\n[criterion]\nkind = \"eigenvalue\"\n\
+         [sampling]\nmethod = \"exact\"\n",
+    );
+    let words = "bounds slow.toml --threads 1 --out bounds.parquet";
+    let folder = "bounds.parquet.searches";
+    let (mut before, mut sessions) = (0, 0);
+    while stopped_after(Running::start(&place, words), 700) {
+        let now = answers_kept(&place, folder);
+        assert!(now > before, "no progress in session {sessions}: {now}");
+        assert!(!place.path("bounds.parquet").exists());
+        if sessions == 0 {
+            // It is not used, and found again.
+            let name = names_in(&place, folder).into_iter().next().unwrap();
+            let path = place.path(folder).join(name);
+            let content = fs::read(&path).unwrap();
+            fs::write(&path, &content[..content.len() / 2]).unwrap();
+        } else {
+            before = now;
+        }
+        sessions += 1;
+    }
+    assert!(sessions >= 2, "it was too short for this test: {sessions}");
+    assert!(!place.path(folder).exists(), "what is needed no more is removed");
+    place.run("bounds slow.toml --out whole.parquet").done();
+    assert!(fs::read(place.path("bounds.parquet")).unwrap() == fs::read(place.path("whole.parquet")).unwrap());
+    let said = Running::start(&place, &words.replace(" --out bounds.parquet", "")).stop("TERM");
+    assert!(said.contains("with --out FILE, what was found is kept"), "{said}");
 }
 
 /// A job with a verdict map that is integrated over it and audited at length, so that a signal comes in time.

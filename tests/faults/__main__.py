@@ -26,7 +26,8 @@ import sharing
 import signals
 import streams
 import surroundings
-from common import KINDS, SAME, STATED, Failed, Missed, Row, Skipped, Suite, Try
+from common import SAME, STATED, Failed, Missed, Row, Skipped, Suite, Try
+from kinds import KINDS
 
 ROWS = [
     row
@@ -132,7 +133,7 @@ def main() -> int:
     begun = time.monotonic()
     lines, failed = [], 0
     with tempfile.TemporaryDirectory(prefix="stickslip-faults-") as scratch:
-        suite = Suite(options.program, Path(scratch), options.seed, options.all, options.limit)
+        suite = Suite(options.program, Path(scratch), options.seed, options.all, options.limit, options.kind)
         for row in ROWS:
             if options.only and row.name not in options.only:
                 continue

@@ -1,6 +1,7 @@
 """What all rows of the fault suite share: jobs, commands with a time limit, and what must hold after a fault."""
 
 import contextlib
+import filecmp
 import os
 import random
 import re
@@ -9,55 +10,21 @@ import signal
 import subprocess
 import time
 from pathlib import Path
-from typing import Callable, Iterable, NamedTuple, Optional
+from typing import Callable, Iterable, NamedTuple, Optional, Sequence
+
+from kinds import KINDS, TABLE, Kind
 
 # Exit codes, as docs/reference/command-line.md lists them.
 DONE, USAGE, JOB, CANNOT_CREATE, INPUT_OUTPUT, BUSY = 0, 64, 65, 73, 74, 75
 
+# Without --all, a row is tried with so many kinds of run, which its name and the seed choose.
+KINDS_OF_A_ROW = 5
+
+# Folders of pieces of a run.
+PIECES = ("shards", "map", "audit", "searches")
+
 # How a try ended: the run survived the fault, or said what was wrong and gave the same bytes when it was resumed.
 SAME, STATED = "same bytes", "stated error"
-
-KINDS = ("eigenvalue", "time-domain", "boundary", "until", "sobol")
-
-_GRID = """preload = { from = 0.05, to = 0.30, points = 4 }
-static_friction = { from = 0.28, to = 0.50, points = 3 }"""
-_MAPPED_GRID = """preload = 0.1
-static_friction = [0.38, 0.40]"""
-_RIGID = 'kind = "time-domain"\ndisc = "rigid"\nstart = '
-
-# Axes, standard deviation, criterion, and `[sampling]` of the larger and of the smaller job of each kind. A larger one
-# takes some tenths of a second and writes several pieces.
-_JOBS = {
-    "eigenvalue": (_GRID, 0.2, 'kind = "eigenvalue"', ("samples = 300_000", "samples = 20_000")),
-    "time-domain": (_GRID, 0.2, _RIGID + '"rest"', ("samples = 1500", "samples = 200")),
-    "boundary": (
-        _MAPPED_GRID,
-        0.02,
-        _RIGID + '"near-equilibrium"',
-        ('samples = 20_000\nevaluate = "boundary"\naudit = 50', 'samples = 20_000\nevaluate = "boundary"\naudit = 10'),
-    ),
-    "until": (
-        _GRID,
-        0.2,
-        _RIGID + '"rest"',
-        (
-            "until = { half_width = 0.05, confidence = 0.9, at_most = 4000 }",
-            "until = { half_width = 0.2, confidence = 0.8, at_most = 1000 }",
-        ),
-    ),
-    "sobol": (_GRID, 0.2, _RIGID + '"rest"', ('method = "sobol"\nsamples = 1024', 'method = "sobol"\nsamples = 128')),
-}
-
-
-def job(kind: str, small: bool = False, seed: int = 3) -> str:
-    """The job of a kind of run."""
-    grid, deviation, criterion, sampling = _JOBS[kind]
-    return (
-        f'name = "{kind}"\n\n[axes]\nrotating_speed = 15.0\n{grid}\n\n[random]\n'
-        f'inputs = ["preload", "static_friction"]\nrelative_std = {deviation}\n\n[criterion]\n{criterion}\n\n'
-        f"[sampling]\n{sampling[small]}\nseed = {seed}\n"
-    )
-
 
 class Failed(Exception):
     """What is promised does not hold."""
@@ -144,6 +111,14 @@ class Running:
         return ended
 
 
+def watches_for_signals(process: int) -> bool:
+    """Whether a process has a handler of SIGTERM."""
+    with contextlib.suppress(OSError):
+        caught = re.search(r"^SigCgt:\s*([0-9a-f]+)", Path(f"/proc/{process}/status").read_text(), re.MULTILINE)
+        return caught is not None and bool(int(caught.group(1), 16) >> (signal.SIGTERM - 1) & 1)
+    return False
+
+
 def end_group(process: subprocess.Popen) -> None:
     """Ends a process that was started here, and those that it started."""
     with contextlib.suppress(ProcessLookupError):
@@ -154,11 +129,14 @@ def end_group(process: subprocess.Popen) -> None:
 class Reference(NamedTuple):
     """A run that was not disturbed."""
 
-    surface: bytes
+    # The bytes of its results, by their names.
+    results: dict
     seconds: float
-    # Its run directory, and that of a run of which one of two shards has finished.
+    # Its run directory, that of a run of which one of two shards has finished, and the finished run that is extended. Only
+    # the first is there of every kind.
     whole: Path
-    half: Path
+    half: Optional[Path]
+    first: Optional[Path]
 
 
 class Place:
@@ -175,11 +153,28 @@ class Place:
         self.running: list = []
         path.mkdir(parents=True)
         path.chmod(0o777)
-        (path / "job.toml").write_text(job(kind, small))
+        self.write_job("job.toml")
+
+    @property
+    def table(self) -> Kind:
+        return TABLE[self.kind]
 
     @property
     def reference(self) -> Reference:
         return self.suite.reference(self.kind, self.small)
+
+    def write_job(self, name: str, kind: Optional[str] = None, seed: int = 3, is_first: bool = False) -> None:
+        """Writes a job of this kind, or of another one, and the files that it names."""
+        kind = kind or self.kind
+        sampling = TABLE[kind].first if is_first else TABLE[kind].sampling
+        TABLE[kind].write(self.path / name, kind, sampling[self.small], seed)
+
+    def prepare(self) -> None:
+        """Puts in place what is there before the fault: the run that is extended, or the directory of the results."""
+        if self.table.first:
+            self.copy_of(self.reference.first)
+        elif not self.table.is_run:
+            self.run.mkdir()
 
     def copy_of(self, run: Path) -> None:
         """Puts a copy of a run in place of the run of this try."""
@@ -198,8 +193,47 @@ class Place:
         """Runs stickslip to its end."""
         return self.start(*words, before=before, environment=environment).ended(expect)
 
-    def submit(self, **options: object) -> Ended:
-        return self.stickslip("submit", "job.toml", "--out", "run", "--threads", self.threads(), **options)
+    def words(self, threads: object = None) -> list:
+        """The words by which it is computed."""
+        out = self.run.relative_to(self.path)
+        return self.table.command.format(out=out, threads=threads or self.threads()).split()
+
+    def begin(self, threads: object = None, **options: object) -> Running:
+        """Starts to compute it."""
+        return self.start(*self.words(threads), **options)
+
+    def go_on(self, threads: object = None, **options: object) -> Running:
+        """Begins it, or resumes it if it has begun."""
+        if not self.table.is_run:
+            self.begin_anew()
+        elif self.has_begun():
+            return self.start("resume", "run", "--threads", threads or self.threads(), **options)
+        return self.begin(threads, **options)
+
+    def begin_anew(self) -> None:
+        """What a command has written is whole, or is not there; if everything is there, it may be written again."""
+        written = {name for name in self.table.results if (self.run / name).exists()}
+        for name in written:
+            check((self.run / name).read_bytes() == self.reference.results[name], f"{name} is there with other bytes")
+        if len(written) == len(self.table.results):
+            for name in written:
+                (self.run / name).unlink()
+
+    def has_begun(self) -> bool:
+        """Whether the job is in its run directory."""
+        job = self.run / "job.toml"
+        if not job.exists():
+            return False
+        return not self.table.first or not filecmp.cmp(job, self.reference.first / "job.toml", shallow=False)
+
+    def wait_for_work(self, running: Running) -> None:
+        """Waits until a run has its job in its directory, or another command watches for signals."""
+        ready = self.has_begun if self.table.is_run else lambda: watches_for_signals(running.process.pid)
+        self.wait_for(ready, running, "the job")
+
+    def says_how_to_go_on(self, ended: Ended) -> None:
+        if self.table.is_run:
+            ended.says("continue with `stickslip resume run`")
 
     def shell(self, line: str, expect: Optional[Iterable] = (DONE,)) -> Ended:
         """Runs a line of the shell in which $S is stickslip."""
@@ -214,32 +248,33 @@ class Place:
         return self.random.randint(1, 3)
 
     def pieces(self) -> set:
-        """Everything that is finished: pieces of samples and tiles."""
-        return {path.relative_to(self.run) for path in self.run.glob("*/*.jsonl")}
+        """Everything that is finished, but what is found of limits and bounds: that is removed when they are written."""
+        return {path.relative_to(self.run) for folder in PIECES for path in self.run.glob(f"{folder}/*.jsonl")}
 
     def samples_done(self) -> Optional[int]:
         """The samples that `status` counts; none if there is no run yet."""
-        if not (self.run / "job.toml").exists():
+        if not self.table.is_run or not (self.run / "job.toml").exists():
             return None
         found = re.search(r'"samples_done": (\d+)', self.stickslip("status", "run", "--json").stdout)
         check(found, "status --json does not hold samples_done")
         return int(found.group(1))
 
     def same_bytes(self) -> str:
-        surface = (self.run / "surface.parquet").read_bytes()
-        check(surface == self.reference.surface, "the surface has other bytes than that of an undisturbed run")
+        for name, expected in self.reference.results.items():
+            check((self.run / name).read_bytes() == expected, f"{name} has other bytes than that of an undisturbed run")
         return SAME
 
     def finish(self, outcome: str = STATED, remove: Iterable = ()) -> str:
-        """Goes on as the messages say; everything that was finished must count, and the surface be the same."""
+        """Goes on as the messages say; everything that was finished must count, and the results be the same."""
         kept, done = self.pieces() - set(remove), self.samples_done()
-        if done is None:
-            ended = self.submit()
-        else:
-            ended = self.stickslip("resume", "run", "--threads", self.threads())
+        if not self.table.is_run and not self.run.exists():
+            self.prepare()
+        ended = self.go_on().ended({DONE})
         check(kept <= self.pieces(), f"finished pieces are gone: {sorted(map(str, kept - self.pieces()))}")
         self.same_bytes()
-        computed = re.search(r"([\d,]+) samples? in ", ended.stderr)
+        if not self.table.is_run:
+            return outcome
+        computed = re.search(r"([\d,]+) samples? in [\d.]+ s on ", ended.stderr)
         if done is not None and self.kind != "until":
             total, new = self.samples_done(), int(computed.group(1).replace(",", "")) if computed else 0
             check(done + new == total, f"{done} samples were finished, {new} were computed, there are {total}")
@@ -295,8 +330,10 @@ class Row(NamedTuple):
 class Suite:
     """What all tries share."""
 
-    def __init__(self, program: Path, scratch: Path, seed: int, is_full: bool, limit: float) -> None:
-        self.seed, self.scratch, self.is_full = seed, scratch, is_full
+    def __init__(
+        self, program: Path, scratch: Path, seed: int, is_full: bool, limit: float, kind: Optional[str] = None
+    ) -> None:
+        self.seed, self.scratch, self.is_full, self.kind = seed, scratch, is_full, kind
         # Seconds after which a command counts as hanging.
         self.limit = limit
         scratch.chmod(0o755)
@@ -306,6 +343,15 @@ class Suite:
         self.program.chmod(0o755)
         self.references: dict = {}
         self.count = 0
+
+    def kinds(self, row: str, among: Sequence = KINDS) -> list:
+        """The kinds of run that a row is tried with: all, or a seeded sample of them, or the one that was asked for."""
+        if self.kind is not None:
+            return [kind for kind in among if kind == self.kind]
+        if self.is_full:
+            return list(among)
+        sample = self.chance("kinds", row).sample(among, KINDS_OF_A_ROW)
+        return [kind for kind in among if kind in sample]
 
     def many(self, quick: int, full: int) -> int:
         return full if self.is_full else quick
@@ -323,15 +369,44 @@ class Suite:
     def place(self, row: str, chosen: Try, attempt: int) -> Place:
         self.count += 1
         chance = self.chance(row, chosen.kind, chosen.label, attempt)
-        return Place(self, self.scratch / f"try-{self.count}", chosen.kind, chosen.small, chance, attempt)
+        place = Place(self, self.scratch / f"try-{self.count}", chosen.kind, chosen.small, chance, attempt)
+        place.prepare()
+        return place
 
     def reference(self, kind: str, small: bool = False) -> Reference:
         """The undisturbed run of a kind."""
         if (kind, small) not in self.references:
             path = self.scratch / f"reference-{kind}-{'small' if small else 'large'}"
-            place = Place(self, path, kind, small, random.Random(0))
-            place.stickslip("submit", "job.toml", "--out", "half", "--threads", 1, "--shard", "1/2")
-            ended = place.stickslip("submit", "job.toml", "--out", "run", "--threads", 1)
-            surface = (place.run / "surface.parquet").read_bytes()
-            self.references[kind, small] = Reference(surface, ended.seconds, place.run, path / "half")
+            place = Place(self, path, kind, small, self.chance("reference", kind, small))
+            first = half = None
+            if place.table.first:
+                first = path / "first"
+                place.write_job("first.toml", is_first=True)
+                place.stickslip("submit", "first.toml", "--out", "first", "--threads", 1)
+            if not place.table.is_run:
+                place.prepare()
+            seconds = place.begin(threads=1).ended({DONE}).seconds
+            results = {name: (place.run / name).read_bytes() for name in place.table.results}
+            if place.table.is_run:
+                half = path / "half"
+                self.make_half(place, half, first, seconds)
+            self.references[kind, small] = Reference(results, seconds, place.run, half, first)
         return self.references[kind, small]
+
+    @staticmethod
+    def make_half(place: Place, half: Path, first: Optional[Path], seconds: float) -> None:
+        """Computes one of two shards. A search for rare events is stopped besides, so that there are answers of it."""
+        shard = ["submit", "job.toml", "--out", "half", "--threads", 1, "--shard"]
+        while True:
+            shutil.rmtree(half, ignore_errors=True)
+            if first is not None:
+                shutil.copytree(first, half)
+            place.stickslip(*shard, "1/2")
+            if not (half / "searches").exists():
+                return
+            running = place.start(*shard, "2/2")
+            time.sleep(place.random.uniform(0, seconds))
+            running.send(signal.SIGTERM)
+            running.ended()
+            if any((half / "searches").iterdir()):
+                return

@@ -4,15 +4,16 @@ import random
 from pathlib import Path
 from typing import Iterator
 
-from common import CANNOT_CREATE, DONE, INPUT_OUTPUT, JOB, KINDS, SAME, STATED, Place, Row, Suite, Try, check
+from common import CANNOT_CREATE, DONE, INPUT_OUTPUT, JOB, PIECES, SAME, STATED, Place, Row, Suite, Try, check
+from kinds import RUNS
 
 SMALL = ("job.toml", "run.json", "digests.json", "run.lock")
 
 
 def files(run: Path) -> list:
     """One file of each sort in a run."""
-    found = [Path(name) for name in (*SMALL, "surface.parquet")]
-    for folder in ("shards", "map", "audit"):
+    found = [Path(name) for name in (*SMALL, "surface.parquet", "limits.parquet") if (run / name).exists()]
+    for folder in PIECES:
         found += sorted(path.relative_to(run) for path in (run / folder).glob("*.jsonl"))[:1]
     return found
 
@@ -40,12 +41,10 @@ def damage(path: Path, what: str) -> None:
 
 
 def damaged(suite: Suite) -> Iterator[Try]:
-    for kind in KINDS:
+    for kind in suite.kinds("damage", RUNS):
         reference = suite.reference(kind, True)
         for state, run in (("finished", reference.whole), ("unfinished", reference.half)):
             for file in files(run):
-                if not (run / file).exists():
-                    continue
                 size = (run / file).stat().st_size
                 chance = suite.chance("damage", kind, state, file.name)
                 # The same code reads the files of all kinds: every bit is flipped in those of one.
@@ -63,7 +62,7 @@ def repaired(place: Place, run: Path, file: Path, what: str) -> str:
     damage(place.run / file, what)
     others = place.pieces() - {file}
     resumed = place.stickslip("resume", "run", "--threads", 1, expect={DONE, JOB, INPUT_OUTPUT})
-    if resumed.code == DONE and file.name != "surface.parquet":
+    if resumed.code == DONE and file.name not in place.reference.results:
         place.same_bytes()
     verified = place.stickslip("verify", "run", expect={DONE, INPUT_OUTPUT})
     said = resumed.stderr + verified.stdout + verified.stderr

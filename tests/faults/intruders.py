@@ -6,7 +6,8 @@ import socket
 from pathlib import Path
 from typing import Iterator
 
-from common import CANNOT_CREATE, DONE, INPUT_OUTPUT, JOB, KINDS, SAME, STATED, Place, Row, Suite, Try, check, job
+from common import CANNOT_CREATE, DONE, INPUT_OUTPUT, JOB, PIECES, SAME, STATED, Place, Row, Suite, Try, check
+from kinds import RUNS
 
 COMMANDS = ["status run", "plot run --out plot.svg", "verify run", "resume run"]
 REFUSED = (JOB, CANNOT_CREATE, INPUT_OUTPUT)
@@ -67,20 +68,20 @@ THINGS = (pipe, endless_link, broken_link, looping_link, sound_link, directory, 
 
 
 def in_place_of_files(suite: Suite) -> Iterator[Try]:
-    for kind in KINDS:
+    for kind in suite.kinds("things", RUNS):
         for state in ("whole", "half"):
             run = getattr(suite.reference(kind, True), state)
             names = [path.relative_to(run) for path in sorted(run.rglob("*"))]
             # One piece stands for all.
             names = [name for name in names if name.suffix != ".jsonl"]
-            names += [sorted(run.glob(f"{folder}/*.jsonl"))[0].relative_to(run) for folder in ("shards", "map")
+            names += [sorted(run.glob(f"{folder}/*.jsonl"))[0].relative_to(run) for folder in PIECES
                       if any(run.glob(f"{folder}/*.jsonl"))]
             # A surface may be as large as a job makes it, and is read as a whole.
             pairs = [
                 (name, thing)
                 for name in names
                 for thing in THINGS
-                if not (thing is huge and name.name in ("surface.parquet", "run.lock"))
+                if not (thing is huge and name.name in ("surface.parquet", "limits.parquet", "run.lock"))
             ]
             for number in suite.steps(len(pairs), 14, suite.chance("things", kind, state)):
                 name, thing = pairs[number]
@@ -125,8 +126,8 @@ def put_in_place(place: Place, run: Path, name: Path, thing: object) -> str:
 
 
 def foreign_pieces(suite: Suite) -> Iterator[Try]:
-    for kind in KINDS:
-        others = [(other, seed) for other in KINDS for seed in (3, 4) if (other, seed) != (kind, 3)]
+    for kind in suite.kinds("foreign", RUNS):
+        others = [(other, seed) for other in RUNS for seed in (3, 4) if (other, seed) != (kind, 3)]
         for state in ("whole", "half"):
             for number in suite.steps(len(others), 3, suite.chance("foreign", kind, state)):
                 other, seed = others[number]
@@ -140,10 +141,10 @@ def foreign_pieces(suite: Suite) -> Iterator[Try]:
 def foreign(place: Place, state: str, other: str, seed: int) -> str:
     """Pieces of another run are refused by what they say of their job; without them the run goes on."""
     place.copy_of(getattr(place.reference, state))
-    (place.path / "other.toml").write_text(job(other, True, seed))
+    place.write_job("other.toml", other, seed)
     place.stickslip("submit", "other.toml", "--out", "other", "--threads", 1)
     put = []
-    for folder in ("shards", "map"):
+    for folder in PIECES:
         for piece in sorted((place.path / "other" / folder).glob("*.jsonl")):
             (place.run / folder).mkdir(exist_ok=True)
             put.append(place.run / folder / piece.name)

@@ -3,7 +3,7 @@
 import signal
 from typing import Iterator
 
-from common import DONE, KINDS, SAME, Missed, Place, Row, Suite, Try
+from common import DONE, SAME, Missed, Place, Row, Suite, Try
 from tracing import MOST_CALLS, need_tracing, with_fault
 
 KILLED = -signal.SIGKILL
@@ -12,19 +12,12 @@ KILLED = -signal.SIGKILL
 STRIDES = {"write": 7, "fsync": 5, "rename": 5, "openat": 11, "mkdir": 1}
 
 
-def begun(place: Place, **options: object) -> object:
-    """Submits the run, or resumes it if it has begun."""
-    if (place.run / "job.toml").exists():
-        return place.start("resume", "run", "--threads", place.threads(), **options)
-    return place.start("submit", "job.toml", "--out", "run", "--threads", place.threads(), **options)
-
-
 def at_random_moments(suite: Suite) -> Iterator[Try]:
     def act(place: Place) -> str:
         was_hit = False
         # Most are killed once, some again while they are resumed.
         for _ in range(place.random.choice([1, 1, 2, 3])):
-            running = begun(place)
+            running = place.go_on()
             place.wait()
             running.send(signal.SIGKILL)
             if running.ended({DONE, KILLED}).code == DONE:
@@ -34,14 +27,14 @@ def at_random_moments(suite: Suite) -> Iterator[Try]:
             raise Missed("it had ended before")
         return place.finish(SAME)
 
-    for kind in KINDS:
+    for kind in suite.kinds("kill"):
         for number in range(suite.many(8, 200)):
             yield Try(kind, f"{number}", act)
 
 
 def at_every_call(suite: Suite) -> Iterator[Try]:
     need_tracing()
-    for kind in KINDS:
+    for kind in suite.kinds("kill-call"):
         for call, stride in STRIDES.items():
             stride = 1 if suite.is_full else stride
             first = suite.chance("stride", kind, call).randint(1, stride)
@@ -54,7 +47,7 @@ def at_every_call(suite: Suite) -> Iterator[Try]:
 
 def killed_at(place: Place, call: str, number: int, survived: list) -> str:
     """Kills a run before one of its calls. If it makes fewer, that is noted."""
-    ended = begun(place, before=with_fault(call, f"signal=SIGKILL:when={number}")).ended({DONE, KILLED})
+    ended = place.go_on(before=with_fault(call, f"signal=SIGKILL:when={number}")).ended({DONE, KILLED})
     if ended.code == KILLED:
         return place.finish(SAME)
     survived.append(number)

@@ -2,6 +2,7 @@
 
 import contextlib
 import os
+import shutil
 import signal
 import subprocess
 from pathlib import Path
@@ -11,7 +12,6 @@ from common import (
     CANNOT_CREATE,
     DONE,
     INPUT_OUTPUT,
-    KINDS,
     STATED,
     Ended,
     Missed,
@@ -24,24 +24,32 @@ from common import (
     need,
     need_root,
 )
+from kinds import NEW_RUNS, RUNS
 
 # Codes of a run that a limit stops.
 STOPPED = (CANNOT_CREATE, INPUT_OUTPUT)
 
 PAGE = 4096
 
+# Bytes of a disk that another program soon fills, and of one with room for everything.
+SMALL, ROOM = 4 << 20, 64 << 20
+
 # A user who has no other process.
 OTHER = 61234
 
 
 class SmallDisk:
-    """A file system in memory, mounted where the run of a try lies."""
+    """A file system in memory, mounted where the run of a try lies, with so many bytes for what is written."""
 
-    def __init__(self, place: Place, options: str) -> None:
+    def __init__(self, place: Place, size: int) -> None:
         self.place, self.path = place, place.path / "disk"
         self.path.mkdir()
-        self.mount("-t", "tmpfs", "-o", options, "none", self.path)
+        self.mount("-t", "tmpfs", "-o", f"size={ROOM}", "none", self.path)
+        shutil.rmtree(place.run, ignore_errors=True)
         place.run = self.path / "run"
+        place.prepare()
+        there = os.statvfs(self.path)
+        self.remount(f"size={(there.f_blocks - there.f_bfree) * there.f_frsize + size}")
 
     def mount(self, *words: object) -> None:
         done = subprocess.run(["mount", *map(str, words)], capture_output=True)
@@ -60,7 +68,7 @@ class SmallDisk:
 
 def on_disk(place: Place) -> Ended:
     """Runs the job on the small disk."""
-    return place.start("submit", "job.toml", "--out", "disk/run", "--threads", place.threads()).ended()
+    return place.begin().ended()
 
 
 def stopped_or_done(place: Place, ended: Ended, where: str) -> bool:
@@ -82,14 +90,14 @@ def finish_on_disk(place: Place) -> str:
 def disk_full(suite: Suite) -> Iterator[Try]:
     need("mount", "umount")
     need_root()
-    for kind in KINDS:
+    for kind in suite.kinds("disk-full"):
         survived: list = []
 
         def act(place: Place) -> str:
-            with SmallDisk(place, f"size={pages * PAGE}") as disk:
+            with SmallDisk(place, pages * PAGE) as disk:
                 ended = on_disk(place)
                 if stopped_or_done(place, ended, "disk/run"):
-                    disk.remount("size=64m")
+                    disk.remount(f"size={ROOM}")
                     return finish_on_disk(place)
                 survived.append(pages)
                 return place.same_bytes()
@@ -101,7 +109,7 @@ def disk_full(suite: Suite) -> Iterator[Try]:
                 break
         for number in range(suite.many(2, 20)):
             yield Try(kind, f"filled {number}", filled)
-        for left in range(0, 7, suite.many(2, 1)):
+        for left in range(0, 7, suite.many(2, 1)) if kind in RUNS else ():
             yield Try(kind, f"merge with {left} pages", lambda place: full_at_the_merge(place, left), small=True)
 
 
@@ -114,7 +122,7 @@ def fill(path: Path) -> None:
 
 def full_at_the_merge(place: Place, pages: int) -> str:
     """All shards have finished, and there is room for some pages."""
-    with SmallDisk(place, "size=4m"):
+    with SmallDisk(place, SMALL):
         for shard in ("1/2", "2/2"):
             place.stickslip("submit", "job.toml", "--out", "disk/run", "--threads", 1, "--shard", shard)
         filler = place.path / "disk" / "filler"
@@ -129,9 +137,9 @@ def full_at_the_merge(place: Place, pages: int) -> str:
 
 def filled(place: Place) -> str:
     """Another program fills the disk in mid-run."""
-    with SmallDisk(place, "size=4m"):
-        running = place.start("submit", "job.toml", "--out", "disk/run", "--threads", place.threads())
-        place.wait_for((place.run / "job.toml").exists, running, "the job")
+    with SmallDisk(place, SMALL):
+        running = place.begin()
+        place.wait_for_work(running)
         place.wait()
         filler = place.path / "disk" / "filler"
         fill(filler)
@@ -144,15 +152,15 @@ def filled(place: Place) -> str:
 
 def file_size(suite: Suite) -> Iterator[Try]:
     need("prlimit")
-    for kind in KINDS:
+    for kind in suite.kinds("file-size"):
         whole = suite.reference(kind, True).whole
-        largest = (whole / "surface.parquet").stat().st_size
+        largest = max(map(len, suite.reference(kind, True).results.values()))
         near = [path.stat().st_size - less for path in whole.rglob("*") if path.is_file() for less in (0, 1)]
         sizes = sorted({0, 1, PAGE, *near, *range(0, largest + 1, suite.many(4000, 200))})
 
         def act(place: Place) -> str:
             before = ["prlimit", f"--fsize={size}"]
-            ended = place.start("submit", "job.toml", "--out", "run", "--threads", 1, before=before).ended()
+            ended = place.begin(threads=1, before=before).ended()
             if stopped_or_done(place, ended, "run"):
                 return place.finish(STATED)
             return place.same_bytes()
@@ -163,7 +171,7 @@ def file_size(suite: Suite) -> Iterator[Try]:
 
 def limited(place: Place, before: list, survived: list) -> str:
     """Runs with a limit. Whether it came to its end is noted."""
-    ended = place.start("submit", "job.toml", "--out", "run", "--threads", 4, before=before).ended()
+    ended = place.begin(threads=4, before=before).ended()
     said = ended.stderr.strip()
     # The system ends a program that it cannot load, without a word or with one of those that load it.
     is_loaded = not any(word in said for word in ("while loading shared", "prlimit:", "setpriv:"))
@@ -180,9 +188,9 @@ def limited(place: Place, before: list, survived: list) -> str:
     return place.finish(STATED)
 
 
-def until_it_runs(values: Iterable, words: str, prefix: list) -> Iterator[Try]:
+def until_it_runs(kinds: list, values: Iterable, words: str, prefix: list) -> Iterator[Try]:
     """Runs with a growing limit, up to one with which it comes to its end."""
-    for kind in KINDS:
+    for kind in kinds:
         survived: list = []
         for value in values:
             before = [*prefix, "prlimit", words.format(value)]
@@ -200,7 +208,7 @@ def memory(suite: Suite) -> Iterator[Try]:
         for size in sizes
     )
     least = next(size for size, answer in asked if answer.returncode == 0)
-    for kind in KINDS:
+    for kind in suite.kinds("memory"):
         for step in range(suite.many(16, 160)):
             size = int(least * (1 + step / suite.many(20, 200)))
             before = ["prlimit", f"--as={size}"]
@@ -209,14 +217,14 @@ def memory(suite: Suite) -> Iterator[Try]:
 
 def descriptors(suite: Suite) -> Iterator[Try]:
     need("prlimit")
-    yield from until_it_runs(range(3, 64), "--nofile={}", [])
+    yield from until_it_runs(suite.kinds("descriptors"), range(3, 64), "--nofile={}", [])
 
 
 def threads(suite: Suite) -> Iterator[Try]:
     need("prlimit", "setpriv")
     need_root()
     prefix = ["setpriv", f"--reuid={OTHER}", f"--regid={OTHER}", "--clear-groups"]
-    yield from until_it_runs(range(1, 16), "--nproc={}", prefix)
+    yield from until_it_runs(suite.kinds("threads", NEW_RUNS), range(1, 16), "--nproc={}", prefix)
 
 
 ROWS = [

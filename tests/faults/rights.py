@@ -8,7 +8,6 @@ from common import (
     CANNOT_CREATE,
     DONE,
     INPUT_OUTPUT,
-    KINDS,
     SAME,
     STATED,
     Place,
@@ -19,7 +18,8 @@ from common import (
     need,
     need_root,
 )
-from limits import OTHER, SmallDisk
+from kinds import NEW_RUNS
+from limits import OTHER, SMALL, SmallDisk
 
 SUBMIT = ["submit", "job.toml", "--out", "run", "--threads", 1]
 
@@ -37,7 +37,7 @@ def refused(place: Place, words: list, before: list = (), code: int = CANNOT_CRE
 
 def read_only(place: Place) -> str:
     """A file system that is mounted for reading only."""
-    with SmallDisk(place, "size=4m") as disk:
+    with SmallDisk(place, SMALL) as disk:
         disk.remount("ro")
         refused(place, ["submit", "job.toml", "--out", "disk/run"])
         disk.remount("rw")
@@ -157,14 +157,14 @@ def in_the_way(place: Place) -> str:
 def mounted(suite: Suite) -> Iterator[Try]:
     need("mount", "umount")
     need_root()
-    for kind in KINDS:
+    for kind in suite.kinds("read-only", NEW_RUNS):
         yield Try(kind, "read-only", read_only, small=True)
 
 
 def users(suite: Suite) -> Iterator[Try]:
     need("setpriv")
     need_root()
-    for kind in KINDS:
+    for kind in suite.kinds("users", NEW_RUNS):
         for act in (another_user, files_of_another_user, unreadable_job, unreadable_pieces):
             yield Try(kind, act.__name__, act, small=True)
         for mask in (0o000, 0o022, 0o027, 0o077, 0o177, 0o222, 0o277, 0o400, 0o777):
@@ -172,7 +172,7 @@ def users(suite: Suite) -> Iterator[Try]:
 
 
 def places(suite: Suite) -> Iterator[Try]:
-    for kind in KINDS:
+    for kind in suite.kinds("places", NEW_RUNS):
         for act in (no_home, no_working_directory, in_the_way):
             yield Try(kind, act.__name__, act, small=True)
 

@@ -6,7 +6,8 @@ import signal
 import time
 from typing import Iterator
 
-from common import BUSY, DONE, INPUT_OUTPUT, KINDS, SAME, STATED, Missed, Place, Row, Suite, Try, check, job
+from common import BUSY, DONE, INPUT_OUTPUT, SAME, STATED, Missed, Place, Row, Suite, Try, check
+from kinds import RUNS
 
 # What the second runner does, beside a first one that submits or resumes.
 SECONDS = ["submit job.toml --out run", "resume run", "merge run --wait 0", "verify run"]
@@ -14,10 +15,10 @@ SECONDS = ["submit job.toml --out run", "resume run", "merge run --wait 0", "ver
 
 def two_runners(suite: Suite) -> Iterator[Try]:
     def act(place: Place) -> str:
-        first = place.start("submit", "job.toml", "--out", "run", "--threads", 1)
+        first = place.begin(threads=1)
         is_race = words.startswith("submit") and place.random.random() < 0.5
         if not is_race:
-            place.wait_for((place.run / "job.toml").exists, first, "the job")
+            place.wait_for_work(first)
             # It keeps the lock while the second one tries.
             first.send(signal.SIGSTOP)
         second = place.start(*words.split())
@@ -36,7 +37,7 @@ def two_runners(suite: Suite) -> Iterator[Try]:
         place.finish()
         return STATED
 
-    for kind in KINDS:
+    for kind in suite.kinds("two-runners", RUNS):
         for number in range(suite.many(6, 50)):
             words = SECONDS[number % len(SECONDS)]
             yield Try(kind, f"{number} {words.split()[0]}", act)
@@ -44,21 +45,21 @@ def two_runners(suite: Suite) -> Iterator[Try]:
 
 def stale_locks(suite: Suite) -> Iterator[Try]:
     def act(place: Place) -> str:
-        first = place.start("submit", "job.toml", "--out", "run", "--threads", 1)
-        place.wait_for((place.run / "job.toml").exists, first, "the job")
+        first = place.begin(threads=1)
+        place.wait_for_work(first)
         place.wait(0.5)
         first.send(signal.SIGKILL)
         if first.ended({DONE, -signal.SIGKILL}).code == DONE:
             raise Missed("it had ended before")
         return place.finish(SAME)
 
-    for kind in KINDS:
+    for kind in suite.kinds("stale-lock", RUNS):
         for number in range(suite.many(4, 50)):
             yield Try(kind, f"{number}", act)
 
 
 def moved_or_removed(suite: Suite) -> Iterator[Try]:
-    for kind in KINDS:
+    for kind in suite.kinds("moved", RUNS):
         for number in range(suite.many(6, 50)):
             what = ("moved", "removed", "replaced")[number % 3]
             yield Try(kind, f"{number} {what}", lambda place: disturbed(place, what))
@@ -66,8 +67,8 @@ def moved_or_removed(suite: Suite) -> Iterator[Try]:
 
 def disturbed(place: Place, what: str) -> str:
     """Moves, removes or replaces the directory of a run at work."""
-    running = place.start("submit", "job.toml", "--out", "run", "--threads", place.threads())
-    place.wait_for((place.run / "job.toml").exists, running, "the job")
+    running = place.begin()
+    place.wait_for_work(running)
     place.wait()
     moved = place.path / "moved"
     if what == "removed":
@@ -77,7 +78,7 @@ def disturbed(place: Place, what: str) -> str:
     else:
         place.run.rename(moved)
     if what == "replaced":
-        (place.path / "other.toml").write_text(job("eigenvalue", True, 9))
+        place.write_job("other.toml", "eigenvalue", 9)
         place.stickslip("submit", "other.toml", "--out", "run")
         replaced = sorted((path, path.stat().st_mtime_ns) for path in place.run.rglob("*"))
     ended = running.ended({DONE, INPUT_OUTPUT})

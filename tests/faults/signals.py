@@ -4,7 +4,7 @@ import signal
 import time
 from typing import Iterator
 
-from common import DONE, KINDS, SAME, STATED, Missed, Place, Row, Running, Suite, Try, check
+from common import DONE, SAME, STATED, Missed, Place, Row, Running, Suite, Try, check
 
 # Signals that end a process which does nothing about them. They keep what is finished and say how to go on.
 ENDING = [
@@ -24,8 +24,6 @@ DEADLY = [signal.SIGKILL, signal.SIGSEGV, signal.SIGBUS, signal.SIGILL, signal.S
 
 # Seconds in which a signal is obeyed: two, and the rest for a busy machine.
 SOON = 8.0
-
-RESUME = "continue with `stickslip resume run`"
 
 # A job whose samples take many seconds each.
 VERY_SLOW = """name = "long"
@@ -55,8 +53,8 @@ def name_of(number: int) -> str:
 
 def at_work(place: Place) -> Running:
     """A run that has begun, at a random moment."""
-    running = place.start("submit", "job.toml", "--out", "run", "--threads", place.threads())
-    place.wait_for((place.run / "job.toml").exists, running, "the job")
+    running = place.begin()
+    place.wait_for_work(running)
     place.wait(0.5)
     return running
 
@@ -69,7 +67,7 @@ def once(place: Place, number: int) -> str:
     if ended.code == DONE:
         raise Missed("it had ended before")
     check(time.monotonic() - sent < SOON, "it is not obeyed within two seconds")
-    ended.says(RESUME)
+    place.says_how_to_go_on(ended)
     place.tidy()
     return place.finish(STATED)
 
@@ -83,7 +81,7 @@ def twice(place: Place, first: int, second: int) -> str:
     ended = running.ended({DONE, 128 + first, 128 + second})
     if ended.code == DONE:
         raise Missed("it had ended before")
-    ended.says(RESUME)
+    place.says_how_to_go_on(ended)
     place.tidy()
     return place.finish(STATED)
 
@@ -137,7 +135,7 @@ def stopped_and_ended(place: Place) -> str:
     ended = running.ended({DONE, 128 + signal.SIGTERM})
     if ended.code == DONE:
         raise Missed("it had ended before")
-    ended.says(RESUME)
+    place.says_how_to_go_on(ended)
     place.tidy()
     return place.finish(STATED)
 
@@ -153,8 +151,8 @@ def deadly(place: Place, number: int) -> str:
 def ignored(place: Place, numbers: list) -> str:
     """Signals that were ignored when the program began, as under nohup, stay so."""
     words = ["sh", "-c", f"trap '' {' '.join(name_of(number)[3:] for number in numbers)}; exec \"$0\" \"$@\""]
-    running = place.start("submit", "job.toml", "--out", "run", "--threads", place.threads(), before=words)
-    place.wait_for((place.run / "job.toml").exists, running, "the job")
+    running = place.begin(before=words)
+    place.wait_for_work(running)
     for number in numbers:
         running.send(number)
     running.ended({DONE})
@@ -163,16 +161,17 @@ def ignored(place: Place, numbers: list) -> str:
 
 
 def signalled(suite: Suite) -> Iterator[Try]:
-    for kind in KINDS:
+    kinds = suite.kinds("signal")
+    for kind in kinds:
         for turn in range(suite.many(1, 10)):
             # Without --all, each kind of run gets a part of the signals.
-            ending = ENDING if suite.is_full else ENDING[KINDS.index(kind) :: len(KINDS)]
+            ending = ENDING if suite.is_full else ENDING[kinds.index(kind) :: len(kinds)]
             for number in [*ending, signal.SIGINT, signal.SIGTERM] if not suite.is_full else ending:
                 yield Try(kind, f"{name_of(number)} {turn}", lambda place: once(place, number))
 
 
 def signalled_twice(suite: Suite) -> Iterator[Try]:
-    for kind in KINDS:
+    for kind in suite.kinds("signal-twice"):
         chance = suite.chance("twice", kind)
         pairs = [(first, second) for first in ENDING for second in ENDING]
         for first, second in pairs if suite.is_full else chance.sample(pairs, 4):
@@ -184,7 +183,7 @@ def signalled_twice(suite: Suite) -> Iterator[Try]:
 
 
 def passing(suite: Suite) -> Iterator[Try]:
-    for kind in KINDS:
+    for kind in suite.kinds("signal-passing"):
         for turn in range(suite.many(1, 10)):
             for number in HARMLESS:
                 yield Try(kind, f"{name_of(number)} {turn}", lambda place: harmless(place, number))
@@ -197,7 +196,7 @@ def passing(suite: Suite) -> Iterator[Try]:
 
 
 def killed(suite: Suite) -> Iterator[Try]:
-    for kind in KINDS:
+    for kind in suite.kinds("signal-deadly"):
         for turn in range(suite.many(1, 10)):
             for number in DEADLY:
                 yield Try(kind, f"{name_of(number)} {turn}", lambda place: deadly(place, number))

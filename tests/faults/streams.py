@@ -2,7 +2,7 @@
 
 from typing import Iterator
 
-from common import DONE, INPUT_OUTPUT, KINDS, SAME, STATED, Place, Row, Suite, Try, check
+from common import DONE, INPUT_OUTPUT, SAME, STATED, Place, Row, Suite, Try, check
 
 # Redirections of the shell, and the codes that the program may end with.
 STREAMS = {
@@ -39,13 +39,13 @@ def redirected(place: Place, stream: str, words: str) -> str:
 
 def submitting(suite: Suite) -> Iterator[Try]:
     def act(place: Place) -> str:
-        outcome = redirected(place, stream, f"submit job.toml --out run --threads {place.threads()}")
+        outcome = redirected(place, stream, " ".join(place.words()))
         # The surface is written before it is shown.
         place.same_bytes()
         place.finish()
         return outcome
 
-    for kind in KINDS:
+    for kind in suite.kinds("streams"):
         for stream in STREAMS:
             yield Try(kind, stream, act, small=True)
 

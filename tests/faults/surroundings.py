@@ -7,7 +7,7 @@ import subprocess
 import time
 from typing import Iterator
 
-from common import DONE, KINDS, SAME, Place, Row, Skipped, Suite, Try, need
+from common import DONE, SAME, Place, Row, Skipped, Suite, Try, need
 
 LOCALES = [
     {"LC_ALL": "C"},
@@ -32,9 +32,7 @@ CLOCKS = ["@1970-01-01 00:00:01", "@2106-02-07 06:28:20", "-40y", "+30y", "-1d",
 
 def interrupted(place: Place, environment: dict, number: int) -> bool:
     """Begins or resumes a run, and ends it at a random moment; whether that came before its end."""
-    words = ["resume", "run"] if (place.run / "job.toml").exists() else ["submit", "job.toml", "--out", "run"]
-    threads = place.random.choice([1, 2, 3, 5, 8])
-    running = place.start(*words, "--threads", threads, environment=environment)
+    running = place.go_on(threads=place.random.choice([1, 2, 3, 5, 8]), environment=environment)
     place.wait()
     running.send(number)
     return running.ended({DONE, 128 + number, -number}).code != DONE
@@ -50,18 +48,18 @@ def changed(suite: Suite) -> Iterator[Try]:
                 break
         return place.finish(SAME)
 
-    for kind in KINDS:
+    for kind in suite.kinds("locale"):
         for number in range(suite.many(4, 50)):
             yield Try(kind, f"{number}", act)
 
 
 def threads(suite: Suite) -> Iterator[Try]:
     def act(place: Place) -> str:
-        place.stickslip("submit", "job.toml", "--out", "run", "--threads", count)
+        place.begin(threads=count).ended({DONE})
         place.same_bytes()
         return place.finish(SAME)
 
-    for kind in KINDS:
+    for kind in suite.kinds("thread-count"):
         for count in (*range(1, 33), 64, 128, 256, 512, 1024) if suite.is_full else (1, 2, 3, 7, 64):
             yield Try(kind, f"{count} threads", act, small=True)
 
@@ -74,12 +72,12 @@ def clocks(suite: Suite) -> Iterator[Try]:
         interrupted(place, first, signal.SIGTERM)
         # A clock that measures the time since the start wrongly, too.
         interrupted(place, with_clock(place.random.choice(CLOCKS)), signal.SIGTERM)
-        if (place.run / "job.toml").exists():
+        if place.has_begun():
             place.stickslip("status", "run", environment=first)
             place.stickslip("resume", "run", environment=first)
         return place.finish(SAME)
 
-    for kind in KINDS:
+    for kind in suite.kinds("clock"):
         for turn in range(suite.many(1, 10)):
             for clock in CLOCKS[:: suite.many(2, 1)]:
                 yield Try(kind, f"{clock} {turn}", act)
@@ -94,7 +92,7 @@ def jumping_clocks(suite: Suite) -> Iterator[Try]:
         stamp.write_text("+0d")
         settings = {"FAKETIME_TIMESTAMP_FILE": str(stamp), "FAKETIME_NO_CACHE": "1", "DONT_FAKE_MONOTONIC": "1"}
         environment = dict(os.environ, LD_PRELOAD=library(), **settings)
-        running = place.start("submit", "job.toml", "--out", "run", "--threads", 2, environment=environment)
+        running = place.begin(threads=2, environment=environment)
         while running.is_alive():
             stamp.write_text(place.random.choice(["+300d", "-300d", "+5s", "-5s", "-30y"]))
             time.sleep(0.01)
@@ -102,7 +100,7 @@ def jumping_clocks(suite: Suite) -> Iterator[Try]:
         place.same_bytes()
         return place.finish(SAME)
 
-    for kind in KINDS:
+    for kind in suite.kinds("clock-jumps"):
         for turn in range(suite.many(1, 20)):
             yield Try(kind, f"{turn}", act)
 

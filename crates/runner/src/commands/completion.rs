@@ -27,7 +27,6 @@ use crate::store::layout::{AUDITS, MAPS, SEARCHES};
 use crate::store::lock::{AN_INSTANT, Access};
 use crate::store::map_pieces;
 use crate::store::provenance::Session;
-use crate::store::searches::Searches;
 use crate::store::tally::Tally;
 use crate::tables::cell_columns::names_of_pair;
 use crate::tables::surface::Surface;
@@ -128,6 +127,14 @@ pub fn compute(
     let engine = Engine::new(threads)?;
     let mut evaluator = Evaluator::new(&job)?;
     let mut integrated = Vec::new();
+    let searches =
+        match job.answer() == Answer::Integral && job.integrated().is_some() || job.answer().is_of_rare_events() {
+            true => Some(Arc::new(directory.searches_of(SEARCHES, job.experiment_hash())?)),
+            false => None,
+        };
+    if let Some(searches) = &searches {
+        evaluator.keep_searches_by(searches.clone());
+    }
     // Audits of another version are refused before a map is resolved.
     let audits = (job.answer() == Answer::Integral).then(|| directory.audits_done(&job)).transpose()?;
     let mut outcome = prepare_maps(&engine, &mut evaluator, &directory, &tally, work, &mut session, interrupt)
@@ -143,10 +150,6 @@ pub fn compute(
             (outcome, integrated) = engine.integrate(&evaluator, &audits, interrupt)?;
         }
     } else if outcome == Outcome::Finished {
-        if job.answer().is_of_rare_events() {
-            let searches = Searches::read(directory.create_folder(SEARCHES)?, job.experiment_hash())?;
-            evaluator.keep_searches_by(Arc::new(searches));
-        }
         outcome = count(&engine, &evaluator, &directory, &mut tally, shard, interrupt)
             .map_err(|failure| kept(failure, &directory))?;
     }
@@ -173,6 +176,9 @@ pub fn compute(
         );
         let kept = match job.map_use() {
             MapUse::Nothing if job.draws_samples() => format!("{samples} are kept; continue with"),
+            MapUse::Nothing if job.integrated().is_some() => {
+                "integrals that were found are kept; continue with".to_owned()
+            }
             MapUse::Nothing => "integrals are not kept one by one; begin again with".to_owned(),
             MapUse::LookUp => format!("{samples} and the finished tiles of the verdict map are kept; continue with"),
             MapUse::Integrate => {

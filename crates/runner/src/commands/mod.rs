@@ -16,6 +16,8 @@ mod status;
 
 mod cluster_prediction;
 
+mod kept_beside;
+
 mod bounds;
 
 mod check;

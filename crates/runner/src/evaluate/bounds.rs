@@ -3,12 +3,14 @@
 use stickslip_core::model::IsStopped;
 use stickslip_core::model::ModelError;
 use stickslip_core::model::pair_boundary::PairBoundary;
-use stickslip_sampler::imprecise::bounds::{Family, Quantity, Role};
+use stickslip_sampler::imprecise::bounds::{Bounds, Family, Quantity, Role, bounds};
+use stickslip_sampler::imprecise::result::{Direction, Evidence, Extreme, Trend};
 use stickslip_sampler::integrate::NormalPair;
 use stickslip_sampler::integrate::closed_form::ExactProbability;
 
 use crate::evaluate::open_cell::{Open, OpenCell};
 use crate::evaluate::open_input::OpenInput;
+use crate::evaluate::remembering::{Asked, Keeper, Key, is_probability};
 use crate::job::{ImpreciseQuantity, Job, Values, What};
 
 /// Why there is no probability.
@@ -29,6 +31,82 @@ pub struct ImpreciseCell<'a> {
     /// The ends of the intervals, each with its place among all that is imprecise.
     intervals: Vec<(usize, [f64; 2])>,
     is_stopped: IsStopped<'a>,
+    /// Its probabilities.
+    asked: Asked<'a>,
+}
+
+/// The bounds of a cell that is made with its probabilities, and the places of its quantities. Both are kept, if there is a
+/// keeper: in the searches with twice this number, and one more.
+///
+/// # Errors
+/// See [`Ended`].
+pub fn kept_bounds<'a>(
+    keeper: Option<&'a dyn Keeper>,
+    (cell, number): Key,
+    imprecise: impl FnOnce(Asked<'a>) -> Result<ImpreciseCell<'a>, Ended>,
+) -> Result<(Bounds, Vec<usize>), Ended> {
+    let imprecise = imprecise(Asked::new(keeper, (cell, 2 * number)))?;
+    let quantities = imprecise.quantities();
+    let asked = Asked::new(keeper, (cell, 2 * number + 1));
+    let numbers = NUMBERS + NUMBERS_EACH * quantities.len();
+    let found = asked.ask(numbers, read_bounds, written_bounds, || bounds(&imprecise, &quantities))?;
+    Ok((found, imprecise.places()))
+}
+
+/// Numbers that bounds are kept as: in all, and further ones for each quantity.
+const NUMBERS: usize = 9;
+const NUMBERS_EACH: usize = 3;
+
+const EVIDENCE: [Evidence; 3] = [Evidence::Proved, Evidence::Checked, Evidence::Searched];
+const DIRECTIONS: [Direction; 4] = [Direction::Rises, Direction::Falls, Direction::Turns, Direction::Constant];
+
+/// Bounds as numbers.
+fn written_bounds(found: &Bounds) -> Vec<f64> {
+    let place = |is_it: Option<usize>| is_it.map_or(f64::NAN, |place| place as f64);
+    let mut numbers = vec![found.evaluations as f64];
+    for (extreme, evidence) in found.extremes.iter().zip(found.evidence) {
+        let ExactProbability { value, error_bound } = extreme.probability;
+        numbers.extend([value, error_bound, extreme.bound.unwrap_or(f64::NAN)]);
+        numbers.push(place(EVIDENCE.iter().position(|other| *other == evidence)));
+        numbers.extend(&extreme.at);
+    }
+    for Trend { direction, is_proved } in &found.trends {
+        let direction = DIRECTIONS.iter().position(|other| other == direction);
+        numbers.push(place(direction.map(|direction| 2 * direction + usize::from(*is_proved))));
+    }
+    numbers
+}
+
+/// Bounds from numbers, if they can be some.
+fn read_bounds(numbers: &[f64]) -> Option<Bounds> {
+    let count = (numbers.len() - NUMBERS) / NUMBERS_EACH;
+    let (&evaluations, rest) = numbers.split_first()?;
+    let (ends, trends) = rest.split_at(rest.len() - count);
+    let end = |numbers: &[f64]| {
+        let (&[value, error_bound, bound, evidence], at) = numbers.split_first_chunk::<4>()?;
+        let bound = Some(bound).filter(|bound| !bound.is_nan());
+        let is_sound = is_probability(value) && error_bound >= 0.0 && at.iter().all(|at| at.is_finite());
+        let probability = ExactProbability { value, error_bound };
+        let extreme = is_sound.then(|| Extreme { at: at.to_vec(), probability, bound })?;
+        Some((extreme, *EVIDENCE.get(index(evidence)?)?))
+    };
+    let (low, high) = ends.split_at(ends.len() / 2);
+    let ((low, of_low), (high, of_high)) = (end(low)?, end(high)?);
+    let trend = |&code: &f64| {
+        let code = index(code)?;
+        Some(Trend { direction: *DIRECTIONS.get(code / 2)?, is_proved: code % 2 == 1 })
+    };
+    Some(Bounds {
+        extremes: [low, high],
+        evidence: [of_low, of_high],
+        trends: trends.iter().map(trend).collect::<Option<_>>()?,
+        evaluations: index(evaluations)? as u64,
+    })
+}
+
+/// A number that counts something.
+fn index(number: f64) -> Option<usize> {
+    (number >= 0.0 && number.fract() == 0.0 && number < 2_f64.powi(53)).then_some(number as usize)
 }
 
 /// What the probability is an integral over.
@@ -49,6 +127,7 @@ impl<'a> ImpreciseCell<'a> {
         cell: u64,
         quantities: &'a [ImpreciseQuantity],
         is_stopped: IsStopped<'a>,
+        asked: Asked<'a>,
     ) -> Result<Self, Ended> {
         let integrated = job.integrated();
         let pair = job.model().pair();
@@ -78,7 +157,7 @@ impl<'a> ImpreciseCell<'a> {
             let is_unstable_above = cell.is_unstable_above(&lower).map_err(Ended::NoSuchConfiguration)?;
             Integral::Pair { cell, pair, is_unstable_above }
         };
-        Ok(Self { integral, open, intervals, is_stopped })
+        Ok(Self { integral, open, intervals, is_stopped, asked })
     }
 
     /// The places of the intervals among all imprecise quantities.
@@ -111,10 +190,10 @@ impl Family for ImpreciseCell<'_> {
 
     fn probability(&self, at: &[f64]) -> Result<ExactProbability, Ended> {
         self.go_on()?;
-        match &self.integral {
+        self.asked.integral(|| match &self.integral {
             Integral::Pair { cell, .. } => cell.probability(at).map_err(Ended::NoSuchConfiguration),
             Integral::Input(input) => input.probability(&self.open, at).ok_or(Ended::NoCriticalValues(input.place())),
-        }
+        })
     }
 
     fn normal_pair(&self, at: &[f64]) -> Result<Option<(PairBoundary, NormalPair)>, Ended> {

@@ -50,6 +50,8 @@ pub struct Evaluator<'a> {
     conditional: Option<Conditional>,
     /// In jobs whose samples have weights.
     rare_events: Option<RareEvents>,
+    /// Where integrals that take long are kept.
+    pub(super) keeper: Option<Arc<dyn Keeper>>,
 }
 
 /// One sample of a run, with everything that is known about it.
@@ -83,6 +85,7 @@ impl<'a> Evaluator<'a> {
             chunk: if is_closed { CHUNK_SAMPLES } else { SIMULATED_CHUNK },
             conditional,
             rare_events: RareEvents::new(job, dimensions),
+            keeper: None,
         })
     }
 
@@ -91,11 +94,12 @@ impl<'a> Evaluator<'a> {
         self.job
     }
 
-    /// Keeps the answers of searches for rare events, in jobs that make some.
+    /// Keeps the answers of searches for rare events, and integrals over critical values, in jobs that have some.
     pub fn keep_searches_by(&mut self, keeper: Arc<dyn Keeper>) {
         if let Some(rare_events) = &mut self.rare_events {
-            rare_events.keep_by(keeper);
+            rare_events.keep_by(keeper.clone());
         }
+        self.keeper = Some(keeper);
     }
 
     /// Draws samples with weights where another evaluator draws them, which has evaluated the same cells.

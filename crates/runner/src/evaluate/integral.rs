@@ -1,5 +1,7 @@
 //! The probability of a cell by integration instead of samples.
 
+use std::convert::Infallible;
+
 use stickslip_core::model::pair_boundary::PairBoundary;
 use stickslip_sampler::estimate::interval::Estimate;
 use stickslip_sampler::grid::Cell;
@@ -11,6 +13,7 @@ use stickslip_sampler::integrate::pair::Pair;
 use stickslip_sampler::integrate::verdict_map::{BoundedProbability, MapRegions};
 
 use crate::evaluate::evaluator::Evaluator;
+use crate::evaluate::remembering::Asked;
 use crate::evaluate::sums::Lookups;
 use crate::job::Job;
 
@@ -86,7 +89,9 @@ impl Evaluator<'_> {
             return IntegratedCell { estimate, derivatives, ..IntegratedCell::unknown() };
         }
         if let Some(place) = self.job.integrated() {
-            let estimate = self.unstable_values.estimate(self.job, cell, place);
+            let asked = Asked::new(self.keeper.as_deref(), (cell.index, 0));
+            let find = || Ok::<_, Infallible>(self.unstable_values.estimate(self.job, cell, place));
+            let Ok(estimate) = asked.estimate(find);
             return IntegratedCell { estimate, ..IntegratedCell::unknown() };
         }
         let mapped = regions[index].probability(&pair);

@@ -14,6 +14,7 @@ use stickslip_sampler::limits::sweep::{SortedSweep, Sweep};
 use crate::evaluate::evaluator::Evaluator;
 use crate::evaluate::open_cell::{Open, OpenCell};
 use crate::evaluate::randomised;
+use crate::evaluate::remembering::{Asked, Keeper};
 use crate::evaluate::unstable_values::UnstableValuesOfInput;
 use crate::evaluate::weighted_limits::{CombinationLimits, Ended, WeightedSearch};
 use crate::job::{Effort, Job, LimitAxis, LimitMethod, OutsidePhysics};
@@ -38,6 +39,8 @@ pub struct LimitSearch<'a> {
     confidence: f64,
     /// The regions of the verdict maps, where the method integrates over these.
     regions: &'a [MapRegions],
+    /// Where estimates are kept.
+    keeper: Option<&'a dyn Keeper>,
 }
 
 /// The values of the axis at which the probability is first estimated; none where samples have critical values.
@@ -59,8 +62,9 @@ impl<'a> LimitSearch<'a> {
         method: LimitMethod,
         confidence: f64,
         regions: &'a [MapRegions],
+        keeper: Option<&'a dyn Keeper>,
     ) -> Self {
-        Self { job, axis, method, confidence, regions }
+        Self { job, axis, method, confidence, regions, keeper }
     }
 
     /// The limits of the combination of `cell`, which has the first value of the axis.
@@ -69,6 +73,7 @@ impl<'a> LimitSearch<'a> {
     /// See [`Ended`].
     pub fn limits(&self, cell: u64, targets: &[f64], is_stopped: IsStopped<'_>) -> Result<CombinationLimits, Ended> {
         let go_on = || if is_stopped() { Err(Ended::Stopped) } else { Ok(()) };
+        let asked = Asked::new(self.keeper, (cell, 0));
         match self.method {
             LimitMethod::Integral => {
                 let no_such = |value: f64| move |error| Ended::NoSuchConfiguration(value, error);
@@ -81,7 +86,7 @@ impl<'a> LimitSearch<'a> {
                     let [low, high] = found.bounds();
                     Ok(Estimate { probability: Some(found.value), low, high })
                 };
-                self.scan(targets, TOLERANCES[0], &[], estimate)
+                self.scan(targets, TOLERANCES[0], &[], |value| asked.estimate(|| estimate(value)))
             }
             LimitMethod::OneInput => {
                 let unstable = UnstableValuesOfInput::default();
@@ -92,7 +97,7 @@ impl<'a> LimitSearch<'a> {
                     place.expected[self.axis.quantity] = value;
                     Ok(unstable.estimate(self.job, &place, input))
                 };
-                self.scan(targets, TOLERANCES[1], &[], estimate)
+                self.scan(targets, TOLERANCES[1], &[], |value| asked.estimate(|| estimate(value)))
             }
             LimitMethod::MapIntegral => {
                 let (place, index) = (self.job.grid.cell(cell), self.job.grid.configuration_index(cell));
@@ -105,12 +110,13 @@ impl<'a> LimitSearch<'a> {
             }
             LimitMethod::CriticalValues(varied) => self.by_critical_values(cell, varied, targets, is_stopped),
             LimitMethod::WeightedSamples => {
-                let search = WeightedSearch { job: self.job, axis: self.axis, cell, confidence: self.confidence };
+                let (job, axis, confidence) = (self.job, self.axis, self.confidence);
+                let search = WeightedSearch { job, axis, cell, confidence, asked: &asked };
                 search.limits(&self.values(), targets, is_stopped)
             }
             LimitMethod::Samples => {
                 let estimate = |value: f64| self.of_samples(cell, value, is_stopped);
-                self.scan(targets, TOLERANCES[1], &[], estimate)
+                self.scan(targets, TOLERANCES[1], &[], |value| asked.estimate(|| estimate(value)))
             }
         }
     }

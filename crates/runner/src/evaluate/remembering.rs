@@ -1,13 +1,16 @@
-//! Searches for rare events that go on where they were interrupted.
+//! Searches that go on where they were interrupted.
 //!
-//! A search is determined by its random numbers and by the answers of its integrand, which take nearly all of its time. So
+//! A search is determined by its random numbers and by the answers that it asks for, which take nearly all of its time. So
 //! the answers are kept in the order in which they are asked for. A search that begins anew is given those that are known,
 //! and comes to where it was at once; its result has the same bits.
 
+use std::cell::RefCell;
 use std::fmt;
 use std::time::{Duration, Instant};
 
 use stickslip_core::model::IsStopped;
+use stickslip_sampler::estimate::interval::Estimate;
+use stickslip_sampler::integrate::closed_form::ExactProbability;
 use stickslip_sampler::rare::points::{Integrand, Points};
 
 /// A cell, and the number of a search in it.
@@ -20,21 +23,22 @@ pub trait Keeper: fmt::Debug + Send + Sync {
 
     /// Keeps further answers, of which `first` is the number of the first.
     fn keep(&self, key: Key, first: usize, answers: &[f64]);
+
+    /// The same, together with those of other searches and at the latest when an [`INTERVAL`] has passed.
+    fn gather(&self, key: Key, first: usize, answers: &[f64]);
 }
 
-/// Time between two writings of answers: a search that takes less writes none.
-const INTERVAL: Duration = Duration::from_secs(4);
+/// Time between two writings of answers: a search for rare events that takes less writes none.
+pub const INTERVAL: Duration = Duration::from_secs(4);
 
 /// How long answers are computed at once, and of how many points at least: enough for vector lanes.
 const AT_ONCE: Duration = Duration::from_secs(1);
 const LEAST: usize = 16;
 
-/// An integrand whose answers are kept.
-pub struct Remembering<'a> {
-    integrand: &'a mut dyn Integrand,
+/// The answers of a search.
+struct Answers<'a> {
     keeper: &'a dyn Keeper,
     key: Key,
-    is_stopped: IsStopped<'a>,
     known: Vec<f64>,
     /// Answers that were given.
     given: usize,
@@ -42,36 +46,31 @@ pub struct Remembering<'a> {
     fresh: Vec<f64>,
     kept: Instant,
     has_kept: bool,
-    /// Seconds for an answer.
-    cost: f64,
-    was_stopped: bool,
 }
 
-impl<'a> Remembering<'a> {
-    /// Of a search.
-    pub fn new(integrand: &'a mut dyn Integrand, keeper: &'a dyn Keeper, key: Key, is_stopped: IsStopped<'a>) -> Self {
-        Self {
-            integrand,
-            keeper,
-            key,
-            is_stopped,
-            known: keeper.known(key),
-            given: 0,
-            fresh: Vec::new(),
-            kept: Instant::now(),
-            has_kept: false,
-            cost: 0.0,
-            was_stopped: false,
-        }
+impl<'a> Answers<'a> {
+    fn new(keeper: &'a dyn Keeper, key: Key) -> Self {
+        let known = keeper.known(key);
+        Self { keeper, key, known, given: 0, fresh: Vec::new(), kept: Instant::now(), has_kept: false }
     }
 
-    /// Ends a search: keeps its last answers if others are kept, and returns its result unless an answer was missing because
-    /// it was stopped.
-    pub fn finish<T>(mut self, result: Option<T>) -> Option<T> {
-        if self.has_kept || self.was_stopped {
+    /// What the next answers, so many, say, if they are known. From the first on that say nothing, none is known.
+    fn recalled<T>(&mut self, count: usize, read: impl Fn(&[f64]) -> Option<T>) -> Option<T> {
+        let found = self.known.get(self.given..self.given + count).and_then(read);
+        match found {
+            Some(_) => self.given += count,
+            None => self.known.truncate(self.given),
+        }
+        found
+    }
+
+    /// Adds answers that were not known. They are kept from time to time.
+    fn add(&mut self, answers: &[f64]) {
+        self.given += answers.len();
+        self.fresh.extend_from_slice(answers);
+        if self.kept.elapsed() >= INTERVAL {
             self.keep();
         }
-        result.filter(|_| !self.was_stopped)
     }
 
     fn keep(&mut self) {
@@ -82,12 +81,113 @@ impl<'a> Remembering<'a> {
         }
         self.kept = Instant::now();
     }
+}
+
+/// A search whose answers are some numbers each and are found one by one. They are kept, if there is a keeper.
+pub struct Asked<'a>(Option<RefCell<Answers<'a>>>);
+
+impl<'a> Asked<'a> {
+    /// A search.
+    pub fn new(keeper: Option<&'a dyn Keeper>, key: Key) -> Self {
+        Self(keeper.map(|keeper| RefCell::new(Answers::new(keeper, key))))
+    }
+
+    /// The next answer: the one that is known, or the one that is found. It is kept as that many numbers, which `write` makes
+    /// of it; `read` makes an answer of numbers, if they can be one.
+    ///
+    /// # Errors
+    /// What ends the search.
+    pub fn ask<T, E>(
+        &self,
+        numbers: usize,
+        read: impl Fn(&[f64]) -> Option<T>,
+        write: impl Fn(&T) -> Vec<f64>,
+        find: impl FnOnce() -> Result<T, E>,
+    ) -> Result<T, E> {
+        let Some(answers) = &self.0 else { return find() };
+        if let Some(known) = answers.borrow_mut().recalled(numbers, read) {
+            return Ok(known);
+        }
+        let found = find();
+        let mut answers = answers.borrow_mut();
+        match &found {
+            Ok(found) => answers.add(&write(found)),
+            Err(_) => answers.keep(),
+        }
+        found
+    }
+
+    /// The next answer, which is an estimate.
+    ///
+    /// # Errors
+    /// What ends the search.
+    pub fn estimate<E>(&self, find: impl FnOnce() -> Result<Estimate, E>) -> Result<Estimate, E> {
+        let read = |numbers: &[f64]| {
+            let &[probability, low, high] = numbers else { return None };
+            let probability = Some(probability).filter(|value| !value.is_nan());
+            let is_sound = probability.is_none_or(is_probability) && is_probability(low) && is_probability(high);
+            (is_sound && low <= high).then_some(Estimate { probability, low, high })
+        };
+        let write = |found: &Estimate| vec![found.probability.unwrap_or(f64::NAN), found.low, found.high];
+        self.ask(3, read, write, find)
+    }
+
+    /// The next answer, which is a probability that is integrated.
+    ///
+    /// # Errors
+    /// What ends the search.
+    pub fn integral<E>(&self, find: impl FnOnce() -> Result<ExactProbability, E>) -> Result<ExactProbability, E> {
+        let read = |numbers: &[f64]| {
+            let &[value, error_bound] = numbers else { return None };
+            (is_probability(value) && error_bound >= 0.0).then_some(ExactProbability { value, error_bound })
+        };
+        self.ask(2, read, |found| vec![found.value, found.error_bound], find)
+    }
+}
+
+/// Whether a number can be a probability.
+pub fn is_probability(value: f64) -> bool {
+    (0.0..=1.0).contains(&value)
+}
+
+impl Drop for Asked<'_> {
+    fn drop(&mut self) {
+        if let Some(Answers { keeper, key, given, fresh, .. }) = self.0.as_mut().map(RefCell::get_mut)
+            && !fresh.is_empty()
+        {
+            keeper.gather(*key, *given - fresh.len(), fresh);
+        }
+    }
+}
+
+/// An integrand whose answers are kept.
+pub struct Remembering<'a> {
+    integrand: &'a mut dyn Integrand,
+    answers: Answers<'a>,
+    is_stopped: IsStopped<'a>,
+    /// Seconds for an answer.
+    cost: f64,
+    was_stopped: bool,
+}
+
+impl<'a> Remembering<'a> {
+    /// Of a search.
+    pub fn new(integrand: &'a mut dyn Integrand, keeper: &'a dyn Keeper, key: Key, is_stopped: IsStopped<'a>) -> Self {
+        Self { integrand, answers: Answers::new(keeper, key), is_stopped, cost: 0.0, was_stopped: false }
+    }
+
+    /// Ends a search: keeps its last answers if others are kept, and returns its result unless an answer was missing because
+    /// it was stopped.
+    pub fn finish<T>(mut self, result: Option<T>) -> Option<T> {
+        if self.answers.has_kept || self.was_stopped {
+            self.answers.keep();
+        }
+        result.filter(|_| !self.was_stopped)
+    }
 
     /// The next answer, if it is known.
     fn recalled(&mut self) -> Option<f64> {
-        let answer = self.known.get(self.given).copied()?;
-        self.given += 1;
-        Some(answer)
+        self.answers.recalled(1, |answers| answers.first().copied())
     }
 
     /// Answers at points, from the first that is not known on, a few points at once: `answer` is given the integrand and the
@@ -113,12 +213,8 @@ impl<'a> Remembering<'a> {
             let begun = Instant::now();
             let Some(found) = answer(self.integrand, &next, answers.len()) else { return false };
             self.cost = begun.elapsed().as_secs_f64() / next.len() as f64;
-            self.given += found.len();
-            self.fresh.extend_from_slice(&found);
+            self.answers.add(&found);
             answers.extend(found);
-            if self.kept.elapsed() >= INTERVAL {
-                self.keep();
-            }
         }
         true
     }
@@ -152,10 +248,8 @@ impl Integrand for Remembering<'_> {
             }
             None => {
                 let states = answer(self.integrand, &part(points, 0, LEAST), 0);
-                self.fresh.push(f64::from(u8::from(states.is_some())));
                 answers.extend(states.iter().flatten());
-                self.fresh.extend_from_slice(&answers);
-                self.given += 1 + answers.len();
+                self.answers.add(&[&[f64::from(u8::from(states.is_some()))], &answers[..]].concat());
                 states.is_some()
             }
         };
@@ -194,6 +288,10 @@ mod tests {
             let mut known = self.0.lock().unwrap();
             assert_eq!(known.len(), first);
             known.extend_from_slice(answers);
+        }
+
+        fn gather(&self, key: Key, first: usize, answers: &[f64]) {
+            self.keep(key, first, answers);
         }
     }
 
@@ -239,5 +337,46 @@ mod tests {
         assert_eq!(asked, all, "an answer was asked for twice");
         // What was found once is found again without an answer, but for the last ones, which no session kept.
         assert_eq!(found(Some(&keeper), usize::MAX).0, expected);
+    }
+
+    #[test]
+    fn answers_of_several_numbers_are_asked_for_once() {
+        let keeper = InMemory::default();
+        let mut found = 0;
+        for stop in [3, 7, u32::MAX] {
+            let asked = Asked::new(Some(&keeper), (0, 0));
+            let result: Result<Vec<Vec<f64>>, ()> = (0..10_u32)
+                .map(|number| {
+                    asked.ask(
+                        2,
+                        |answer| Some(answer.to_vec()),
+                        Vec::clone,
+                        || {
+                            if number == stop {
+                                return Err(());
+                            }
+                            found += 1;
+                            Ok(vec![f64::from(number), f64::NAN])
+                        },
+                    )
+                })
+                .collect();
+            assert_eq!(result.is_err(), stop < 10);
+            let numbers = result.unwrap_or_default().into_iter().map(|answer| answer[0]);
+            assert!(stop < 10 || numbers.eq((0..10_u32).map(f64::from)));
+        }
+        assert_eq!(found, 10, "an answer was found twice");
+        assert_eq!(keeper.known((0, 0)).len(), 20, "the last answers are kept, too");
+    }
+
+    #[test]
+    fn what_cannot_be_an_estimate_is_found_again() {
+        let sound = [[0.5, 0.4, 0.6], [f64::NAN, 0.0, 1.0]];
+        let broken = [[0.5, f64::NAN, 0.6], [0.5, 0.6, 0.4], [2.0, 0.0, 1.0], [0.5, 0.4, 1.5], [0.5, -1.0, 0.6]];
+        for (numbers, is_known) in sound.iter().map(|s| (s, true)).chain(broken.iter().map(|b| (b, false))) {
+            let keeper = InMemory(Mutex::new(numbers.to_vec()));
+            let asked = Asked::new(Some(&keeper), (0, 0));
+            assert_eq!(asked.estimate(|| Err(())).is_ok(), is_known, "{numbers:?}");
+        }
     }
 }

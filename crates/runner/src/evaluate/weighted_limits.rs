@@ -12,6 +12,7 @@ use stickslip_sampler::limits::scan::Scan;
 
 use crate::evaluate::evaluator::Evaluator;
 use crate::evaluate::randomised;
+use crate::evaluate::remembering::Asked;
 use crate::failure::Failure;
 use crate::job::{Job, LimitAxis};
 use stickslip_core::model::IsStopped;
@@ -53,16 +54,18 @@ const SMALLEST: f64 = 0.01;
 const INTERVALS: usize = 4;
 
 /// Limits of one combination of the other axes.
-pub struct WeightedSearch<'a> {
+pub struct WeightedSearch<'a, 'k> {
     pub job: &'a Job,
     pub axis: &'a LimitAxis,
     /// The cell of the combination that has the first value of the axis.
     pub cell: u64,
     /// Confidence of the intervals of probabilities.
     pub confidence: f64,
+    /// Its estimates.
+    pub asked: &'a Asked<'k>,
 }
 
-impl WeightedSearch<'_> {
+impl WeightedSearch<'_, '_> {
     /// The limits, from a scan over `values` at first.
     ///
     /// # Errors
@@ -73,7 +76,7 @@ impl WeightedSearch<'_> {
         targets: &[f64],
         is_stopped: IsStopped<'_>,
     ) -> Result<CombinationLimits, Ended> {
-        let estimate = |value: f64| self.estimate(value, None, targets, is_stopped);
+        let estimate = |value: f64| self.asked.estimate(|| self.estimate(value, None, targets, is_stopped));
         let scan = Scan::new(values, TOLERANCES[0], estimate)?;
         if scan.is_unknown() {
             return Err(Ended::Failed(Failure::Job(format!(
@@ -98,7 +101,7 @@ impl WeightedSearch<'_> {
         let job = self.axis.job_at(self.job, value);
         let placed = Evaluator::new(&job).map_err(Ended::Failed)?;
         self.evaluate(&job, &placed, value, &[target], is_stopped)?;
-        let estimate = |value: f64| self.estimate(value, Some(&placed), &[target], is_stopped);
+        let estimate = |value: f64| self.asked.estimate(|| self.estimate(value, Some(&placed), &[target], is_stopped));
         let [least, most] = self.axis.range();
         for reach in REACHES {
             let width = reach * value.abs().max(SMALLEST * (most - least));

@@ -103,6 +103,11 @@ impl Folder {
         Ok(Self { path, handle, identity: (metadata.dev(), metadata.ino()) })
     }
 
+    /// The same directory, opened once more.
+    pub fn again(&self) -> io::Result<Self> {
+        Ok(Self { path: self.path.clone(), handle: self.handle.try_clone()?, identity: self.identity })
+    }
+
     /// The path by which it was opened.
     pub fn path(&self) -> &Path {
         &self.path

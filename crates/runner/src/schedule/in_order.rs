@@ -22,7 +22,7 @@ impl Engine {
         let mut progress = Progress::new(u128::from(count), unit);
         let search = |index: u64, is_stopped: IsStopped<'_>| (index, search(index, is_stopped));
         let outcome = self.for_each_in_parallel(count, interrupt, search, |(index, result)| {
-            progress.advance(1);
+            progress.advance(u64::from(!matches!(result, Ok(None))));
             progress.tick();
             match result {
                 Ok(result) => results[index as usize] = result,

@@ -19,10 +19,11 @@ use crate::store::digests::{DIGESTS, Digests, Fit, Known, digest_of_bytes, diges
 use crate::store::file_state::{FileState, NOT_AS_WRITTEN, state_of};
 use crate::store::joining::{self, Refusal};
 use crate::store::layout::{
-    AUDITS, JOB, MAPS, SEARCHES, SHARDS, SURFACE, is_of_run, require_free, require_run, require_traces,
+    AUDITS, JOB, LIMIT_SEARCHES, MAPS, SEARCHES, SHARDS, SURFACE, is_of_run, require_free, require_run, require_traces,
 };
 use crate::store::lock::{AN_INSTANT, Access, Lock, is_held};
 use crate::store::piece::{self, Complaint, Defect, REMEDY_OF_VERSIONS};
+use crate::store::searches::Searches;
 use crate::store::tally::Tally;
 
 /// The footer key of a surface for the hash of its job.
@@ -135,6 +136,12 @@ impl RunDirectory {
         self.folder(SEARCHES)
     }
 
+    /// The searches of `what` that are kept in the directory `name` in this one.
+    pub fn searches_of(&self, name: &str, what: String) -> Result<Searches, Failure> {
+        let root = self.root.again().map_err(|error| Failure::reading(self.path(), error))?;
+        Searches::read(root, name, what)
+    }
+
     /// A directory in this one, created if it is not there.
     pub fn create_folder(&self, name: &str) -> Result<Folder, Failure> {
         self.root.create_within(name).map_err(|error| Failure::writing(&self.path().join(name), error))
@@ -242,7 +249,7 @@ impl RunDirectory {
         }
         self.root.remove_unfinished()?;
         self.shards.remove_unfinished()?;
-        for folder in [self.maps()?, self.audits()?].iter().flatten() {
+        for folder in [self.maps()?, self.audits()?, self.searches()?, self.folder(LIMIT_SEARCHES)?].iter().flatten() {
             folder.remove_unfinished()?;
         }
         Ok(())

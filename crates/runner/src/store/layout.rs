@@ -13,7 +13,7 @@ use crate::store::digests::DIGESTS;
 use crate::store::lock::{LOCK, in_use, is_held};
 
 /// The names of the frozen job, of the result, of the limits found from it, of the record of sessions, and of the directories of pieces, tiles,
-/// audits and searches for rare events.
+/// audits, searches for rare events, and searches for limits.
 pub const JOB: &str = "job.toml";
 pub const SURFACE: &str = "surface.parquet";
 pub const LIMITS: &str = "limits.parquet";
@@ -22,6 +22,7 @@ pub const SHARDS: &str = "shards";
 pub const MAPS: &str = "map";
 pub const AUDITS: &str = "audit";
 pub const SEARCHES: &str = "searches";
+pub const LIMIT_SEARCHES: &str = "limits";
 
 /// The files that have digests.
 pub const WITH_DIGESTS: [&str; 4] = [JOB, SURFACE, LIMITS, RECORD];

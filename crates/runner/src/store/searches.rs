@@ -1,13 +1,16 @@
-//! Pieces of searches for rare events: answers of their integrands.
+//! Pieces of searches: their answers, in the order in which they were asked for.
 //!
-//! They are written to `searches/` as those of samples are: the first line names the experiment, and each further one has the
-//! cell and the number of a search, the number of its first answer, and answers by their bits.
+//! They are written to a folder of their own as pieces of samples are: the first line names what is searched, and each further
+//! one has the cell and the number of a search, the number of its first answer, and answers by their bits.
 
 use std::collections::BTreeMap;
+use std::mem;
+use std::sync::{Mutex, PoisonError};
+use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
 
-use crate::evaluate::remembering::{Keeper, Key};
+use crate::evaluate::remembering::{INTERVAL, Keeper, Key};
 use crate::failure::Failure;
 use crate::files::folder::Folder;
 use crate::output::warn_of;
@@ -22,37 +25,84 @@ struct Owner {
 /// Answers as they are stored: cell, number of the search, number of the first answer, answers.
 type Stored = (u64, u64, u64, Vec<u64>);
 
-/// The searches of a run.
+/// Searches whose answers are kept in a folder.
 #[derive(Debug)]
 pub struct Searches {
-    folder: Folder,
+    /// The folder in which theirs is created when there is something to keep.
+    parent: Folder,
+    name: String,
     owner: Owner,
     known: BTreeMap<Key, Vec<f64>>,
+    /// What is gathered, and since when.
+    gathered: Mutex<(Vec<Stored>, Instant)>,
 }
 
 impl Searches {
-    /// Those of an experiment in a directory of pieces.
+    /// Those of `what` in the folder `name` of `parent`.
     ///
     /// # Errors
-    /// A directory that cannot be read.
-    pub fn read(folder: Folder, experiment: String) -> Result<Self, Failure> {
-        let owner = Owner { searches_of: experiment };
+    /// A folder that cannot be read.
+    pub fn read(parent: Folder, name: &str, what: String) -> Result<Self, Failure> {
+        let owner = Owner { searches_of: what };
         let mut parts: BTreeMap<Key, Vec<(u64, Vec<u64>)>> = BTreeMap::new();
-        let names = folder.names().map_err(|error| Failure::reading(folder.path(), error))?;
-        for name in names.iter().filter(|name| is_piece_name(name)) {
-            let ignored = |why: &str| warn_of(&folder.path().join(name), format_args!(" is ignored: {why}"));
-            match read_checked(&folder, name).map(|bytes| decode(&bytes)) {
-                Ok(Ok((of, stored))) if of == owner => {
-                    for (cell, number, first, answers) in stored {
-                        parts.entry((cell, number)).or_default().push((first, answers));
+        let path = parent.path().join(name);
+        let folder = parent.within_if_there(name).map_err(|error| Failure::reading(&path, error))?;
+        if let Some(folder) = folder {
+            let names = folder.names().map_err(|error| Failure::reading(&path, error))?;
+            for name in names.iter().filter(|name| is_piece_name(name)) {
+                let ignored = |why: &str| warn_of(&path.join(name), format_args!(" is ignored: {why}"));
+                match read_checked(&folder, name).map(|bytes| decode(&bytes)) {
+                    Ok(Ok((of, stored))) if of == owner => {
+                        for (cell, number, first, answers) in stored {
+                            parts.entry((cell, number)).or_default().push((first, answers));
+                        }
                     }
+                    Ok(Ok(_)) => ignored("it belongs to another job"),
+                    Ok(Err(why)) | Err(Defect::Unread(why) | Defect::Damaged(why)) => ignored(&why),
                 }
-                Ok(Ok(_)) => ignored("it belongs to another job"),
-                Ok(Err(why)) | Err(Defect::Unread(why) | Defect::Damaged(why)) => ignored(&why),
             }
         }
         let known = parts.into_iter().map(|(key, parts)| (key, joined(parts))).collect();
-        Ok(Self { folder, owner, known })
+        let gathered = Mutex::new((Vec::new(), Instant::now()));
+        Ok(Self { parent, name: name.to_owned(), owner, known, gathered })
+    }
+
+    /// Forgets the answers, of which none is needed any more.
+    pub fn forget(self) {
+        *self.gathered.lock().unwrap_or_else(PoisonError::into_inner) = (Vec::new(), Instant::now());
+        let Ok(Some(folder)) = self.parent.within_if_there(&self.name) else { return };
+        for name in folder.names().unwrap_or_default().iter().filter(|name| is_piece_name(name)) {
+            let _ = folder.remove(name);
+        }
+        let _ = folder.remove_unfinished();
+        // Other files in it keep it.
+        let _ = self.parent.remove_directory(&self.name);
+    }
+
+    /// Writes a piece; the search goes on without it.
+    fn write(&self, stored: Vec<Stored>) {
+        let written = self
+            .parent
+            .create_within(&self.name)
+            .map_err(|error| Failure::writing(&self.parent.path().join(&self.name), error))
+            .and_then(|folder| piece::publish(&folder, &self.owner, stored));
+        if let Err(why) = written {
+            warn_of(&self.parent.path().join(&self.name), format_args!(": {why}"));
+        }
+    }
+
+    /// Gathers answers, and takes what is gathered if it is to be written.
+    fn gathered(
+        &self,
+        (cell, number): Key,
+        first: usize,
+        answers: &[f64],
+        is_due: impl Fn(Instant) -> bool,
+    ) -> Vec<Stored> {
+        let bits = answers.iter().map(|answer| answer.to_bits()).collect();
+        let mut gathered = self.gathered.lock().unwrap_or_else(PoisonError::into_inner);
+        gathered.0.push((cell, number, first as u64, bits));
+        if is_due(gathered.1) { mem::replace(&mut *gathered, (Vec::new(), Instant::now())).0 } else { Vec::new() }
     }
 }
 
@@ -61,13 +111,31 @@ impl Keeper for Searches {
         self.known.get(&key).cloned().unwrap_or_default()
     }
 
-    fn keep(&self, (cell, number): Key, first: usize, answers: &[f64]) {
-        let stored: Stored = (cell, number, first as u64, answers.iter().map(|answer| answer.to_bits()).collect());
-        if let Err(why) = piece::publish(&self.folder, &self.owner, [stored]) {
-            // The search goes on, and begins anew if it is interrupted.
-            warn_of(self.folder.path(), format_args!(": {why}"));
+    fn keep(&self, key: Key, first: usize, answers: &[f64]) {
+        self.write(self.gathered(key, first, answers, |_| true));
+    }
+
+    fn gather(&self, key: Key, first: usize, answers: &[f64]) {
+        let stored = self.gathered(key, first, answers, |since| since.elapsed() >= INTERVAL);
+        if !stored.is_empty() {
+            self.write(stored);
         }
     }
+}
+
+impl Drop for Searches {
+    fn drop(&mut self) {
+        let (stored, _) =
+            mem::replace(self.gathered.get_mut().unwrap_or_else(PoisonError::into_inner), (Vec::new(), Instant::now()));
+        if !stored.is_empty() {
+            self.write(stored);
+        }
+    }
+}
+
+/// What searches are of: those of a kind, for a job, which end in a file with this footer.
+pub fn digest_of_searches(kind: &str, experiment: &str, footer: &[(&'static str, String)]) -> String {
+    blake3::hash(format!("{kind} {experiment} {footer:?}").as_bytes()).to_hex().to_string()
 }
 
 fn decode(bytes: &[u8]) -> Result<(Owner, Vec<Stored>), String> {

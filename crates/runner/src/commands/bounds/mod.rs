@@ -4,14 +4,16 @@ mod report;
 
 use indicatif::HumanCount;
 use serde_json::json;
-use stickslip_sampler::imprecise::bounds::{Bounds, bounds as bounds_of};
+use stickslip_sampler::imprecise::bounds::Bounds;
 use stickslip_sampler::imprecise::result::{Extreme, Trend};
 use stickslip_sampler::integrate::closed_form::ExactProbability;
 
 use self::report::{Found, Reached, Row, imprecise_json};
+use super::kept_beside::{KeptBeside, nothing_was_written};
 use crate::cli::BoundsArguments;
-use crate::evaluate::bounds::{Ended, ImpreciseCell};
-use crate::failure::Failure;
+use crate::evaluate::bounds::{Ended, ImpreciseCell, kept_bounds};
+use crate::evaluate::remembering::Keeper;
+use crate::failure::{Advice, Failure};
 use crate::files::table::write_table;
 use crate::interrupt::Interrupt;
 use crate::job::{Combination, ImpreciseJob, JobSource};
@@ -19,14 +21,12 @@ use crate::messages::Code;
 use crate::output::{announce, counted, output_file, result, warn};
 use crate::schedule::engine::Engine;
 use crate::shell::{quoted, shown};
+use crate::store::searches::digest_of_searches;
 use stickslip_core::model::IsStopped;
-
-/// What is said after a signal.
-const NOTHING: &str = "nothing was written";
 
 /// `stickslip bounds`.
 pub fn bounds(arguments: &BoundsArguments, interrupt: &Interrupt) -> Result<(), Failure> {
-    interrupt.remark(NOTHING);
+    interrupt.remark(nothing_was_written());
     let BoundsArguments { job: path, out, json, threads } = arguments;
     let source = JobSource::read(path)?;
     let job = source.imprecise_job()?;
@@ -39,10 +39,15 @@ pub fn bounds(arguments: &BoundsArguments, interrupt: &Interrupt) -> Result<(), 
     let out = out.as_deref().map(|out| output_file(out).map(|place| (out, place))).transpose()?;
     warn(job.warnings.clone());
     let engine = Engine::new(threads.count())?;
-    let rows = all_rows(&engine, interrupt, &job)?;
-    let found = Found { source: &source, job: &job, rows };
+    let mut found = Found { source: &source, job: &job, rows: Vec::new() };
+    let searches = || digest_of_searches("bounds", &job.first().experiment_hash(), &found.footer());
+    let kept = out.as_ref().map(|(_, place)| KeptBeside::read(place, searches())).transpose()?;
+    let stopped = kept.as_ref().map_or_else(nothing_was_written, KeptBeside::advice);
+    interrupt.remark(stopped.clone());
+    found.rows = all_rows(&engine, interrupt, &job, &stopped, kept.as_ref().map(KeptBeside::keeper))?;
     if let Some((out, (directory, name))) = out {
         write_table(&directory, &name, &found.table(), &found.footer())?;
+        kept.into_iter().for_each(KeptBeside::forget);
         announce(Code::FileWritten, format_args!("{}: {} rows", out.display(), HumanCount(found.rows.len() as u64)));
     }
     result(&if *json { format!("{:#}\n", found.json()) } else { found.text() })
@@ -71,9 +76,15 @@ pub fn check(source: &JobSource, json: bool) -> Result<(), Failure> {
 }
 
 /// The rows of all cells, in their order.
-fn all_rows(engine: &Engine, interrupt: &Interrupt, job: &ImpreciseJob) -> Result<Vec<Row>, Failure> {
-    engine.in_order(job.first().cells(), "cells", interrupt, &NOTHING.into(), |cell, is_stopped| {
-        match row(job, cell, is_stopped) {
+fn all_rows(
+    engine: &Engine,
+    interrupt: &Interrupt,
+    job: &ImpreciseJob,
+    stopped: &Advice,
+    keeper: Option<&dyn Keeper>,
+) -> Result<Vec<Row>, Failure> {
+    engine.in_order(job.first().cells(), "cells", interrupt, stopped, |cell, is_stopped| {
+        match row(job, cell, keeper, is_stopped) {
             Ok(row) => Ok(Some(row)),
             Err(Ended::Stopped) => Ok(None),
             Err(Ended::NoSuchConfiguration(error)) => Err(Failure::Job(format!(
@@ -88,12 +99,12 @@ fn all_rows(engine: &Engine, interrupt: &Interrupt, job: &ImpreciseJob) -> Resul
 }
 
 /// The bounds of a cell over all combinations of alternatives.
-fn row(job: &ImpreciseJob, cell: u64, is_stopped: IsStopped<'_>) -> Result<Row, Ended> {
+fn row(job: &ImpreciseJob, cell: u64, keeper: Option<&dyn Keeper>, is_stopped: IsStopped<'_>) -> Result<Row, Ended> {
     let mut row: Option<Row> = None;
-    for combination in &job.combinations {
-        let imprecise = ImpreciseCell::new(&combination.job, cell, &job.quantities, is_stopped)?;
-        let places = imprecise.places();
-        let found = bounds_of(&imprecise, &imprecise.quantities())?;
+    for (number, combination) in job.combinations.iter().enumerate() {
+        let (found, places) = kept_bounds(keeper, (cell, number as u64), |asked| {
+            ImpreciseCell::new(&combination.job, cell, &job.quantities, is_stopped, asked)
+        })?;
         let next = of_bounds(job, combination, cell, &places, &found);
         row = Some(match row {
             None => next,

@@ -10,6 +10,7 @@ use indicatif::HumanCount;
 
 pub use self::publish::{check_limits, publish_limits, with_limits_of};
 use self::search::{Tiles, Wanted};
+use super::kept_beside::{KeptBeside, nothing_was_written};
 use crate::cli::LimitArguments;
 use crate::failure::Failure;
 use crate::files::table::write_table;
@@ -22,7 +23,7 @@ use crate::store::directory::RunDirectory;
 
 /// `stickslip limit`.
 pub fn limit(arguments: &LimitArguments, interrupt: &Interrupt) -> Result<(), Failure> {
-    interrupt.remark(NOTHING);
+    interrupt.remark(nothing_was_written());
     let LimitArguments { job: path, of, probabilities, out, json, threads } = arguments;
     let directory = path.is_dir().then(|| RunDirectory::view(path)).transpose()?;
     let job = directory.as_ref().map_or_else(|| JobSource::read(path)?.job(), RunDirectory::job)?;
@@ -35,16 +36,18 @@ pub fn limit(arguments: &LimitArguments, interrupt: &Interrupt) -> Result<(), Fa
     let engine = Engine::new(threads.count())?;
     let wanted = Wanted { job: &job, axis: &axis, method, targets };
     let maps = directory.as_ref().map(RunDirectory::maps).transpose()?.flatten();
-    let found = wanted.find(&engine, Tiles { known: maps.as_ref(), keep: None }, interrupt, &NOTHING.into())?;
+    let tiles = Tiles { known: maps.as_ref(), keep: None };
+    let kept = out.as_ref().map(|(_, place)| KeptBeside::read(place, wanted.searches_of())).transpose()?;
+    let stopped = kept.as_ref().map_or_else(nothing_was_written, KeptBeside::advice);
+    interrupt.remark(stopped.clone());
+    let found = wanted.find(&engine, tiles, interrupt, &stopped, kept.as_ref().map(KeptBeside::keeper))?;
     if let Some((out, (directory, name))) = out {
         write_table(&directory, &name, &found.table(), &found.footer())?;
+        kept.into_iter().for_each(KeptBeside::forget);
         announce(Code::FileWritten, format_args!("{}: {} rows", out.display(), HumanCount(found.rows.len() as u64)));
     }
     result(&if *json { format!("{:#}\n", found.json()) } else { found.text() })
 }
-
-/// What is said after a signal.
-const NOTHING: &str = "nothing was written";
 
 /// The name of the axis and the targets: those of the options, or of the table `[limit]`.
 fn request<'a>(job: &'a Job, of: Option<&'a str>, probabilities: &'a [f64]) -> Result<(&'a str, &'a [f64]), Failure> {

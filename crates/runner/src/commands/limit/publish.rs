@@ -10,7 +10,7 @@ use crate::picture::view::rounded;
 use crate::schedule::engine::Engine;
 use crate::store::directory::RunDirectory;
 use crate::store::file_state::{FileState, state_of};
-use crate::store::layout::{LIMITS, MAPS};
+use crate::store::layout::{LIMIT_SEARCHES, LIMITS, MAPS};
 use crate::tables::limits::FinishedLimits;
 
 /// Writes the limits that the job of a finished run asks for, unless they are there. A line on them, if there are any.
@@ -31,10 +31,13 @@ pub fn publish_limits(
         };
         let tiles = Tiles { known: maps.as_ref(), keep: maps.as_ref() };
         let resume = format!("stickslip resume {}", quoted(directory.path()));
-        let stopped = Advice::command("the surface is written, the limits are not; continue with", &resume);
-        let found = wanted.find(engine, tiles, interrupt, &stopped)?;
+        let stopped =
+            Advice::command("the surface is written, and what was found of the limits is kept; continue with", &resume);
+        let searches = directory.searches_of(LIMIT_SEARCHES, wanted.searches_of())?;
+        let found = wanted.find(engine, tiles, interrupt, &stopped, Some(&searches))?;
         let bytes = encoded_table(&found.table(), &found.footer());
         directory.publish(LIMITS, &bytes.map_err(|error| Failure::writing(&path, error))?)?;
+        searches.forget();
     }
     let targets: Vec<String> = request.targets.iter().map(|&target| rounded(target)).collect();
     Ok(Some(format!("{}: limits of {} at P = {}\n", shown(&path), request.of, targets.join(", "))))

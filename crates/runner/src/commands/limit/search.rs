@@ -9,6 +9,7 @@ use stickslip_sampler::integrate::verdict_map::MapRegions;
 use super::report::{Found, Row};
 use crate::evaluate::evaluator::Evaluator;
 use crate::evaluate::limits::{LimitSearch, scanned};
+use crate::evaluate::remembering::Keeper;
 use crate::evaluate::weighted_limits::{CombinationLimits, Ended};
 use crate::failure::{Advice, Failure};
 use crate::files::folder::Folder;
@@ -17,6 +18,7 @@ use crate::job::{Job, LimitAxis, LimitMethod};
 use crate::schedule::engine::{Engine, Outcome};
 use crate::schedule::mapping::Mapping;
 use crate::store::map_pieces;
+use crate::store::searches::digest_of_searches;
 use stickslip_core::model::IsStopped;
 
 /// What is sought.
@@ -45,13 +47,19 @@ impl<'a> Wanted<'a> {
         Found { job, axis, targets, method, scanned, confidence, rows: Vec::new() }
     }
 
-    /// Finds them. `stopped` is what is said after a signal.
+    /// What its searches are of: everything that their answers depend on.
+    pub fn searches_of(self) -> String {
+        digest_of_searches("limits", &self.job.experiment_hash(), &self.nothing_found().footer())
+    }
+
+    /// Finds them. `stopped` is what is said after a signal; `keeper` keeps the answers of the searches.
     pub fn find(
         self,
         engine: &Engine,
         tiles: Tiles<'_>,
         interrupt: &Interrupt,
         stopped: &Advice,
+        keeper: Option<&dyn Keeper>,
     ) -> Result<Found<'a>, Failure> {
         let Self { job, axis, method, targets } = self;
         let combinations = axis.combinations(job);
@@ -59,7 +67,7 @@ impl<'a> Wanted<'a> {
             LimitMethod::MapIntegral => self.regions(engine, tiles, interrupt, stopped)?,
             _ => Vec::new(),
         };
-        let search = LimitSearch::new(job, axis, method, self.confidence().unwrap_or(f64::NAN), &regions);
+        let search = LimitSearch::new(job, axis, method, self.confidence().unwrap_or(f64::NAN), &regions, keeper);
         let work = |index: u64, is_stopped: IsStopped<'_>| {
             let cell = combinations[index as usize];
             match search.limits(cell, targets, is_stopped) {

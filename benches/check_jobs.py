@@ -1,0 +1,267 @@
+"""Random jobs of every criterion and method: how long `check` takes, and how well it predicts `submit`.
+
+Usage: python3 benches/check_jobs.py PROGRAM [--jobs N] [--seed S] [--longest SECONDS] [--keep FILE.csv]
+
+A job that `check` refuses is drawn again, so that N jobs are accepted. Those with a predicted time below the longest are
+run. All work is done on one thread, and times are of the clock on the wall: run it on a quiet machine. It needs Python 3.9
+and nothing else.
+"""
+
+import argparse
+import collections
+import csv
+import random
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+from typing import NamedTuple, Optional
+
+SECONDS = {"second": 1.0, "minute": 60.0, "hour": 3600.0, "day": 86400.0, "year": 365.25 * 86400.0}
+LONGEST_CHECK = 5.0
+FACTOR = 3.0
+
+PAD_INPUTS = [
+    "preload",
+    "static_friction",
+    "friction.kinetic_coefficient",
+    "friction.stribeck_velocity",
+    "stiffness.contact_normal",
+    "damping.tangential",
+    "pad.mass",
+    "disc.thickness",
+    "rotating_speed",
+]
+STARTS = ["near-equilibrium", "rest", "limit-cycle"]
+CRITERIA = ["eigenvalue", "coupled-eigenvalue", "rigid", "flexible", "belt-eigenvalue", "belt-time", "matrices"]
+METHODS = [
+    "monte-carlo", "until", "relative", "sobol", "sensitivity", "boundary", "exact", "conditional", "importance", "subset"
+]
+
+BELT = """[model]
+kind = "belt-oscillator"
+mass = 1.0
+stiffness = 1.0
+damping = 0.1
+normal_force = 1.0
+belt_speed = 1.3
+[model.friction]
+law = "stribeck"
+static_coefficient = 0.5
+kinetic_coefficient = 0.25
+stribeck_velocity = 1.0
+"""
+
+
+def listed(words: list) -> str:
+    return "[" + ", ".join(f'"{word}"' for word in words) + "]"
+
+
+def spread(chance: random.Random, least: float, most: float, values: int) -> str:
+    """An axis with so many values within a range."""
+    ends = sorted(round(chance.uniform(least, most), 4) for _ in range(2))
+    if values == 1 or ends[0] == ends[1]:
+        return f"{ends[0]}"
+    return f"{{ from = {ends[0]}, to = {ends[1]}, points = {values} }}"
+
+
+def pairs_of_masses(chance: random.Random) -> str:
+    """Pairs of masses that friction couples, as matrices, one of them far from flutter."""
+    size = 2 * chance.choice([1, 2, 5])
+    matrix = lambda entry: [[float(entry(i, j)) for j in range(size)] for i in range(size)]
+    near = lambda i, j: i // 2 == j // 2
+    scale = lambda i: 1 + 0.1 * (i // 2)
+    mass = matrix(lambda i, j: i == j)
+    damping = matrix(lambda i, j: 0.001 * (i == j))
+    stiffness = matrix(lambda i, j: near(i, j) * (2 if i == j else 1) * scale(i))
+    friction = matrix(lambda i, j: (i % 2 == 0 and j == i + 1) * -4 / 3 * scale(i))
+    return (
+        f'[model]\nkind = "matrices"\nmass = {{ matrix = {mass} }}\ndamping = {{ matrix = {damping}, factor = "damping" }}\n'
+        f'stiffness = [{{ matrix = {stiffness} }}, {{ matrix = {friction}, factor = "friction" }}]\n'
+        "[model.parameters]\nfriction = 0.6\ndamping = 1.0\n"
+    )
+
+
+def drawn_job(chance: random.Random) -> tuple:
+    """A random job, its criterion and its method."""
+    criterion, method = chance.choice(CRITERIA), chance.choice(METHODS)
+    values = lambda most: chance.choice([1, 1, 2, most])
+    if criterion.startswith("belt"):
+        model, record = BELT, []
+        all_inputs = ["normal_force", "static_coefficient", "belt_speed", "damping"]
+        axes = {"normal_force": spread(chance, 0.2, 2.0, values(6)), "static_coefficient": spread(chance, 0.3, 0.6, values(5))}
+        kind = '"eigenvalue"' if criterion == "belt-eigenvalue" else '"time-domain"'
+        rest = f'start = "{chance.choice(STARTS[:2])}"\n' if criterion == "belt-time" else ""
+    elif criterion == "matrices":
+        model, all_inputs, kind = pairs_of_masses(chance), ["friction", "damping"], '"complex-eigenvalue"'
+        axes, rest = {"friction": spread(chance, 0.4, 1.0, values(8))}, ""
+    else:
+        model, all_inputs = "", PAD_INPUTS
+        axes = {
+            "rotating_speed": spread(chance, 8.0, 25.0, values(3)),
+            "preload": spread(chance, 0.02, 0.3, values(6)),
+            "static_friction": spread(chance, 0.27, 0.5, values(5)),
+        }
+        kind = f'"{criterion}"' if criterion.endswith("eigenvalue") else '"time-domain"'
+        rest = ""
+        if kind == '"time-domain"':
+            disc = "rigid" if criterion == "rigid" else "flexible"
+            rest = f'disc = "{disc}"\nstart = "{chance.choice(STARTS)}"\n'
+    count = chance.choice([1, 2, 2, 3, len(all_inputs)])
+    inputs = all_inputs[:2] if method == "boundary" or chance.random() < 0.4 else chance.sample(all_inputs, min(count, len(all_inputs)))
+    samples = int(10 ** chance.uniform(2, 6))
+    sampling = {
+        "monte-carlo": f"samples = {samples}",
+        "until": f"until = {{ half_width = {chance.choice([0.1, 0.03, 0.01])}, at_most = {samples} }}",
+        "relative": f"until = {{ relative = {chance.choice([0.3, 0.1])}, at_most = {samples} }}",
+        "sobol": f'method = "sobol"\nsamples = {2 ** chance.randint(8, 18)}',
+        "sensitivity": f"samples = {samples}\nsensitivity = true",
+        "boundary": f'samples = {samples}\nevaluate = "boundary"',
+        "exact": 'method = "exact"',
+        "conditional": f'method = "conditional"\nsamples = {2 ** chance.randint(8, 16)}',
+        "importance": f'method = "importance"\nsamples = {2 ** chance.randint(8, 14)}\nparticles = {chance.choice([100, 300])}',
+        "subset": f'method = "subset"\nparticles = {chance.choice([100, 300, 1000])}\nrandomisations = {chance.choice([8, 16])}',
+    }[method]
+    lines = "\n".join(f"{name} = {value}" for name, value in axes.items())
+    text = (
+        f'name = "random"\n{model}[axes]\n{lines}\n[random]\ninputs = {listed(inputs)}\n'
+        f"relative_std = {round(chance.uniform(0.01, 0.2), 3)}\n[criterion]\nkind = {kind}\n{rest}"
+        f"[sampling]\n{sampling}\nseed = {chance.randrange(1000)}\n"
+    )
+    return text, criterion, method
+
+
+class Predicted(NamedTuple):
+    """Seconds, and whether it may take longer by much."""
+
+    seconds: float
+    is_bound: bool
+
+
+NUMBER = r"([\d.]+)(?: (second|minute|hour|day|year)s?)?"
+TIME = re.compile(rf"(about|at least) {NUMBER}(?: to {NUMBER})?(?= |,|;|$|\n)")
+
+
+def times(line: str) -> list:
+    """The times that a line names. Of two, the geometric mean."""
+    found = []
+    for words, low, unit, high, unit_of_high in TIME.findall(line):
+        unit = unit or unit_of_high
+        if unit:
+            least = float(low) * SECONDS[unit]
+            most = float(high) * SECONDS[unit_of_high] if high else least
+            found.append(Predicted((max(least, 1e-3) * max(most, 1e-3)) ** 0.5, words == "at least"))
+    return found
+
+
+def predicted(said: str) -> Optional[Predicted]:
+    """What `check` predicts of a whole run; nothing if it names no time."""
+    lines = [line for line in said.splitlines() if line.startswith("# ")]
+    of_maps = [line for line in lines if "verdict map" in line and "measured on" in line]
+    audits = [line for line in lines if "for its audit" in line]
+    is_given_up = "it will be given up" in said
+    if of_maps:
+        each = [line for line in lines if "if each is simulated" in line]
+        parts = (each if is_given_up else of_maps) + ([] if is_given_up else audits)
+    else:
+        parts = [line for line in lines if " samples, " in line or " sample, " in line or "populations" in line]
+    found = [time for line in parts for time in times(line)[-1:]]
+    if not found:
+        return None
+    is_bound = any(time.is_bound for time in found) or any("much more" in line for line in parts)
+    return Predicted(sum(time.seconds for time in found), is_bound)
+
+
+def timed(words: list, folder: Path, limit: float) -> tuple:
+    """Runs a command; its seconds, its exit code (none if it takes longer) and what it said."""
+    begun = time.monotonic()
+    try:
+        done = subprocess.run(list(map(str, words)), cwd=folder, capture_output=True, text=True, timeout=limit)
+    except subprocess.TimeoutExpired:
+        return time.monotonic() - begun, None, ""
+    return time.monotonic() - begun, done.returncode, done.stdout + done.stderr
+
+
+def quantiles(numbers: list) -> str:
+    numbers = sorted(numbers)
+    at = lambda part: numbers[min(len(numbers) - 1, int(part * len(numbers)))]
+    return f"least {numbers[0]:.2f}, median {at(0.5):.2f}, 90 % below {at(0.9):.2f}, greatest {numbers[-1]:.2f}"
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("program", type=Path)
+    parser.add_argument("--jobs", type=int, default=300)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--longest", type=float, default=20.0, help="predicted seconds of jobs that are run")
+    parser.add_argument("--keep", type=Path, help="a table of all jobs, and the jobs beside it")
+    options = parser.parse_args()
+    program = options.program.resolve()
+    rows, refused, failed = [], 0, []
+    with tempfile.TemporaryDirectory() as scratch:
+        folder = Path(scratch)
+        number = 0
+        while len(rows) < options.jobs:
+            number += 1
+            text, criterion, method = drawn_job(random.Random(f"{options.seed}/{number}"))
+            job = folder / f"{number}.toml"
+            job.write_text(text)
+            seconds, code, said = timed([program, "check", job.name, "--threads", 1], folder, 120)
+            if code == 65:
+                refused += 1
+                continue
+            if code != 0:
+                failed.append((number, f"check ends with {code} after {seconds:.1f} s", said))
+            prediction = predicted(said)
+            measured = None
+            if prediction is not None and prediction.seconds < options.longest:
+                words = [program, "submit", job.name, "--threads", 1, "--out", "run"]
+                measured, code, output = timed(words, folder, 20 * options.longest)
+                # An audit that finds a map wrong is a result.
+                if code not in (0, 70, None):
+                    failed.append((number, f"submit ends with {code}", output))
+                shutil.rmtree(folder / "run", ignore_errors=True)
+            rows.append((number, criterion, method, seconds, prediction, measured))
+            if options.keep:
+                (options.keep.parent / f"{options.keep.stem}-{number}.toml").write_text(text)
+            print(f"\r{len(rows)} of {options.jobs}", end="", file=sys.stderr, flush=True)
+    print(file=sys.stderr)
+    if options.keep:
+        with options.keep.open("w", newline="") as file:
+            table = csv.writer(file)
+            table.writerow(["number", "criterion", "method", "check", "predicted", "is_bound", "measured"])
+            for number, criterion, method, seconds, prediction, measured in rows:
+                known = (prediction.seconds, prediction.is_bound) if prediction else (None, None)
+                table.writerow([number, criterion, method, f"{seconds:.3f}", *known, measured])
+    print(f"{len(rows)} jobs were accepted, {refused} refused; seed {options.seed}")
+    print("by criterion: " + ", ".join(f"{name} {count}" for name, count in collections.Counter(row[1] for row in rows).items()))
+    print("by method: " + ", ".join(f"{name} {count}" for name, count in collections.Counter(row[2] for row in rows).items()))
+    print(f"seconds of check: {quantiles([row[3] for row in rows])}")
+    print(f"without a predicted time: {sum(row[4] is None for row in rows)}")
+    ratios = [(row[4].seconds / row[5], row) for row in rows if row[5] is not None]
+    # What is over at once tells nothing of a prediction.
+    told = [(ratio, row) for ratio, row in ratios if row[5] > 0.5]
+    exact = [(ratio, row) for ratio, row in told if not row[4].is_bound]
+    bounds = [(ratio, row) for ratio, row in told if row[4].is_bound]
+    print(f"run: {len(ratios)}, of which {len(told)} took more than half a second")
+    if exact:
+        within = sum(1 / FACTOR <= ratio <= FACTOR for ratio, _ in exact)
+        print(f"predicted over measured, {len(exact)} with a time: {quantiles([ratio for ratio, _ in exact])}; {within} within {FACTOR:g}")
+    if bounds:
+        print(f"predicted over measured, {len(bounds)} with a lower bound: {quantiles([ratio for ratio, _ in bounds])}")
+    for ratio, (number, criterion, method, _, prediction, measured) in sorted(told, key=lambda entry: entry[0]):
+        if not 1 / FACTOR <= ratio <= FACTOR and not (prediction.is_bound and ratio < 1):
+            print(f"outside: job {number}, {criterion}, {method}: predicted {prediction.seconds:.2f}, measured {measured:.2f} s")
+    slow = [row for row in rows if row[3] > LONGEST_CHECK]
+    for number, criterion, method, seconds, _, _ in slow:
+        print(f"slow: check of job {number}, {criterion}, {method}: {seconds:.1f} s")
+    for number, why, said in failed:
+        print(f"FAILED: job {number}: {why}\n{said}")
+    return 1 if failed or slow else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
