@@ -441,3 +441,38 @@ fn few_values_along_an_axis_are_tiles() {
     ends.dedup();
     assert_eq!(ends.len(), 3, "the left, the middle and the right of the panel: {ends:?}");
 }
+
+#[test]
+fn a_plot_shows_chosen_values_a_target_and_a_title() {
+    let place = Place::new();
+    let axes = PLANE.replace("rotating_speed = 15.0", "rotating_speed = [12.0, 15.0, 18.0]");
+    submitted(&place, "three", &job("three", &axes, 300));
+    submitted(&place, "one", &job("one", PLANE, 300));
+    let drawn = |options: &str| {
+        place.run(&format!("plot {options} --out figure.svg")).done();
+        fs::read_to_string(place.path("figure.svg")).unwrap()
+    };
+    // One speed of three has one panel, whose heading names it.
+    let held = drawn("three --at rotating_speed=15");
+    assert_eq!(held.matches(">Preload Δ<").count(), 1);
+    assert!(held.contains(">15 rad/s; relative std: preload 0.2, friction 0.2<"));
+    // Holding an axis of the area leaves curves along the other.
+    let curves = drawn("three --at preload=0.1");
+    assert!(curves.contains("Probability of instability P") && curves.contains("preload = 0.1"));
+    // The target is a line of its own with its name, from the option or from the job.
+    assert!(!drawn("one").contains("P = 0.03"));
+    assert!(drawn("one --target 0.03").contains(">P = 0.03<"));
+    submitted(&place, "aimed", &format!("{}[target]\nprobability = 0.07\n", job("aimed", PLANE, 300)));
+    assert!(drawn("aimed").contains(">P = 0.07<") && drawn("aimed --target 0.03").contains(">P = 0.03<"));
+    let titled = drawn("one --title Mine");
+    assert!(titled.contains(">Mine<") && !titled.contains("15 rad/s"));
+    for (options, why) in [
+        ("three --at rotating_speed=14", "has no value 14 in the run; the nearest is 15"),
+        ("three --at speed=15", "speed is no axis of the run, whose axes are rotating_speed, preload, static_friction"),
+        ("three --at rotating_speed", "rotating_speed=15"),
+        ("one --target 1.5", "greater than 0 and less than 1"),
+        ("one --of sobol --title x", "--title is for the probability of a run"),
+    ] {
+        place.run(&format!("plot {options}")).refused(64, &[why]);
+    }
+}

@@ -28,7 +28,7 @@ pub use self::pad_on_disc::{
 pub use self::reduction::ReduceArguments;
 pub use self::start::StartArgument;
 pub use self::threads::ThreadsArgument;
-use self::values::{html_file, parquet_file, plot_file, probability, seed, whole_number};
+use self::values::{axis_value, html_file, parquet_file, plot_file, probability, seed, whole_number};
 use crate::export::format::Format;
 use crate::job::MOST_SHARDS;
 use crate::messages::Form;
@@ -291,6 +291,15 @@ pub struct PlotArguments {
     /// Draw the difference of the probabilities: those of the run minus those of this one, which has the same axes
     #[arg(long, value_name = "RUN_DIR")]
     pub against: Option<PathBuf>,
+    /// Show one value of an axis alone, for example rotating_speed=15; may be given for several axes
+    #[arg(long, value_name = "AXIS=VALUE", value_parser = axis_value)]
+    pub at: Vec<(String, f64)>,
+    /// Draw the line of this probability, in place of the job's target
+    #[arg(long, value_name = "P", value_parser = probability)]
+    pub target: Option<f64>,
+    /// What to write above the figure, in place of what its cells share
+    #[arg(long, value_name = "TEXT")]
+    pub title: Option<String>,
     /// Write one file, SVG or PNG by its name [default: both in the run directory, or beside the file]
     #[arg(long, value_name = "FILE", value_parser = plot_file)]
     pub out: Option<PathBuf>,

@@ -25,6 +25,15 @@ pub fn probability(text: &str) -> Result<f64, String> {
     probability.ok_or_else(|| "a probability is greater than 0 and less than 1, for example 0.01 for 1 %".to_owned())
 }
 
+/// An axis with a value on it.
+pub fn axis_value(text: &str) -> Result<(String, f64), String> {
+    let parts = text.split_once('=').map(|(name, value)| (name.trim().to_owned(), value.trim().parse::<f64>()));
+    match parts {
+        Some((name, Ok(value))) if value.is_finite() => Ok((name, value)),
+        _ => Err("an axis and a number on it are written as in rotating_speed=15".to_owned()),
+    }
+}
+
 /// The path of a file that will be written as Parquet.
 pub fn parquet_file(text: &str) -> Result<PathBuf, String> {
     file_named(text, "the file is written as Parquet", &["parquet"])

@@ -94,6 +94,18 @@ fn check(arguments: &PlotArguments) -> Result<(), Failure> {
                 .to_owned(),
         ));
     }
+    let of_cells = [
+        ("--at", !arguments.at.is_empty()),
+        ("--target", arguments.target.is_some()),
+        ("--title", arguments.title.is_some()),
+    ];
+    if let Some((option, _)) = of_cells.iter().find(|(_, is_given)| *is_given)
+        && (!is_probability || arguments.against.is_some() || arguments.run.is_file())
+    {
+        return Err(Failure::Usage(format!(
+            "{option} is for the probability of a run; leave it out, or --of and --against"
+        )));
+    }
     if arguments.result.is_some() && arguments.of != PlotQuantity::Sobol {
         return Err(Failure::Usage("--result chooses the result of --of sobol; leave it out".to_owned()));
     }
@@ -116,14 +128,21 @@ fn of_run(arguments: &PlotArguments, width: f64, interrupt: &Interrupt) -> Resul
     }
     match arguments.of {
         PlotQuantity::Probability => {
-            let values = Values::read(run)?;
-            let view = GridView::new(&values.job);
+            let mut values = Values::read(run)?;
+            values.job.target = arguments.target.or(values.job.target);
+            let mut view = GridView::new(&values.job).titled(arguments.title.clone());
+            for (name, value) in &arguments.at {
+                view.hold(name, *value).map_err(|why| Failure::Usage(format!("--at {name}={value}: {why}")))?;
+            }
             note_panels(view.slices());
             if !values.is_certain() {
                 note_steps(&view);
             }
-            let canvas =
-                if values.is_certain() { cells::figure(&values, width) } else { surface::figure(&values, width) };
+            let canvas = if values.is_certain() {
+                cells::figure(&values, &view, width)
+            } else {
+                surface::figure(&values, &view, width)
+            };
             let canvas = canvas.ok_or_else(|| {
                 let Values { probability, low, high, .. } = &values;
                 let value = [probability[0], Some(low[0]), Some(high[0])];

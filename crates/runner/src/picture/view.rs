@@ -89,6 +89,10 @@ pub struct GridView {
     std: usize,
     /// The quantities of the pair.
     pair: Option<[usize; 2]>,
+    /// Axes of which one value alone is shown, with its position.
+    held: Vec<(usize, usize)>,
+    /// What stands above the picture, in place of what the cells of a slice share.
+    title: Option<String>,
 }
 
 /// Most values of an axis that become curves of one drawing, and the least number of values of a curve.
@@ -137,15 +141,54 @@ impl GridView {
             axis.stride = stride;
             stride *= axis.values.len() as u64;
         }
-        let mut view = Self { axes, vertical: None, horizontal: None, std, pair: job.model().pair() };
+        let mut view = Self {
+            axes,
+            vertical: None,
+            horizontal: None,
+            std,
+            pair: job.model().pair(),
+            held: Vec::new(),
+            title: None,
+        };
         view.choose();
         view
+    }
+
+    /// Shows one value of an axis alone.
+    ///
+    /// # Errors
+    /// No such axis, and a value that it does not have: with those there are.
+    pub fn hold(&mut self, name: &str, value: f64) -> Result<(), String> {
+        let is_it = |axis: &&ViewAxis| axis.name_in_job == name || axis.key() == name;
+        let Some(index) = self.axes.iter().position(|axis| is_it(&axis)) else {
+            let names: Vec<&str> =
+                self.axes.iter().filter(|axis| axis.values.len() > 1).map(|axis| &*axis.name_in_job).collect();
+            return Err(format!("{name} is no axis of the run, whose axes are {}", names.join(", ")));
+        };
+        let values = &self.axes[index].values;
+        let is_near = |of: &f64| (of - value).abs() <= 1e-9 * value.abs();
+        let Some(position) = values.iter().position(is_near) else {
+            let nearest = values.iter().min_by(|a, b| (*a - value).abs().total_cmp(&(*b - value).abs()));
+            let nearest = nearest.map_or_else(String::new, |nearest| format!("; the nearest is {nearest}"));
+            return Err(format!("{name} has no value {value} in the run{nearest}"));
+        };
+        self.held.retain(|(axis, _)| *axis != index);
+        self.held.push((index, position));
+        (self.vertical, self.horizontal) = (None, None);
+        self.choose();
+        Ok(())
+    }
+
+    /// The same under a title.
+    #[must_use]
+    pub fn titled(self, title: Option<String>) -> Self {
+        Self { title, ..self }
     }
 
     /// Chooses the two longest axes; of equally long ones those that vary fastest. Standard deviations are shown if
     /// at most one other axis varies.
     fn choose(&mut self) {
-        let length = |axis: &usize| self.axes[*axis].values.len();
+        let length = |axis: &usize| if self.is_held(*axis) { 1 } else { self.axes[*axis].values.len() };
         let mut long: Vec<usize> = (0..self.axes.len()).rev().filter(|axis| length(axis) > 1).collect();
         if long.len() > 2 {
             long.retain(|&axis| axis != self.std);
@@ -236,19 +279,28 @@ impl GridView {
         self.vertical.is_some() && shown.map(|axis| axis.values.len()).min().is_some_and(|least| least < LEAST_VALUES)
     }
 
+    fn is_held(&self, axis: usize) -> bool {
+        self.held.iter().any(|(held, _)| *held == axis)
+    }
+
+    /// The axes whose combinations are the slices.
+    fn sliced(&self) -> impl DoubleEndedIterator<Item = usize> {
+        (0..self.axes.len()).filter(|&axis| !self.is_shown(axis) && !self.is_held(axis))
+    }
+
     fn is_shown(&self, axis: usize) -> bool {
         [self.vertical, self.horizontal].contains(&Some(axis))
     }
 
     /// The number of slices.
     pub fn slices(&self) -> usize {
-        (0..self.axes.len()).filter(|&axis| !self.is_shown(axis)).map(|axis| self.axes[axis].values.len()).product()
+        self.sliced().map(|axis| self.axes[axis].values.len()).product()
     }
 
     /// A slice by its number, which must be below [`GridView::slices`].
     pub fn slice(&self, mut number: usize) -> Slice<'_> {
-        let mut first = 0;
-        for axis in (0..self.axes.len()).rev().filter(|&axis| !self.is_shown(axis)) {
+        let mut first = self.held.iter().map(|&(axis, position)| position as u64 * self.axes[axis].stride).sum();
+        for axis in self.sliced().rev() {
             let length = self.axes[axis].values.len();
             first += (number % length) as u64 * self.axes[axis].stride;
             number /= length;
@@ -277,6 +329,9 @@ impl Slice<'_> {
         let view = self.view;
         let shared = view.values_of(self.first, |axis| !view.is_shown(axis));
         let at = if shared.is_empty() { String::new() } else { format!(" at {}", shared.join(", ")) };
+        if let Some(title) = &view.title {
+            return if view.slices() == 1 { title.clone() } else { format!("{title}{at}") };
+        }
         if view.is_shown(view.std) { at } else { format!("{at}; {}", scatter(job, self.first)) }
     }
 }

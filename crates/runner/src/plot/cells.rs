@@ -18,8 +18,7 @@ const BEFORE: f64 = 10.0;
 const AFTER: f64 = 4.0;
 
 /// A figure of a run in which nothing scatters, this wide in pixels; none for a single cell.
-pub fn figure(values: &Values, width: f64) -> Option<Canvas> {
-    let view = GridView::new(&values.job);
+pub fn figure(values: &Values, view: &GridView, width: f64) -> Option<Canvas> {
     let horizontal = view.horizontal()?;
     let axes = Axes { across: axis_of_cells(horizontal), up: view.vertical().map(axis_of_cells) };
     let aspect = if axes.up.is_some() { ASPECT } else { STRIP };

@@ -43,11 +43,22 @@ pub struct Axis {
 impl Axis {
     /// Its title with the unit, and the power of ten that its labels leave out.
     fn heading(&self, power: i32) -> String {
+        if let Some(prefix) = prefix(&self.unit, power) {
+            return format!("{} ({prefix}{})", self.title, self.unit);
+        }
         let factor = if power == 0 { String::new() } else { format!("10{}", superscript(power)) };
         let unit = [factor.as_str(), self.unit.as_str()].into_iter().filter(|part| !part.is_empty());
         let unit: Vec<&str> = unit.collect();
         if unit.is_empty() { self.title.clone() } else { format!("{} ({})", self.title, unit.join(" ")) }
     }
+}
+
+/// The prefix of a unit that stands for a power of ten, of units that have no prefix yet.
+fn prefix(unit: &str, power: i32) -> Option<&'static str> {
+    let first = unit.split(['/', ' ', '^']).next().unwrap_or_default();
+    let prefixes = [(-9, "n"), (-6, "µ"), (-3, "m"), (3, "k"), (6, "M"), (9, "G")];
+    let found = prefixes.into_iter().find(|(of, _)| *of == power).map(|(_, prefix)| prefix);
+    found.filter(|_| ["N", "Hz", "Pa", "J", "W", "V", "m", "s"].contains(&first) && !unit.contains('^'))
 }
 
 /// Where a panel lies, without its axes.

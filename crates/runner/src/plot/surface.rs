@@ -22,9 +22,8 @@ const RED: Rgb = (0xe0, 0x10, 0x30);
 const LIMIT: Pen = Pen::new(RED, 1.8);
 
 /// A figure of a run, this wide in pixels; none for a single cell.
-pub fn figure(values: &Values, width: f64) -> Option<Canvas> {
-    let view = GridView::new(&values.job);
-    match Form::for_grid(&view)? {
+pub fn figure(values: &Values, view: &GridView, width: f64) -> Option<Canvas> {
+    match Form::for_grid(view)? {
         Form::Curves(along) => {
             let vertical = Axis {
                 scale: Scale::linear(0.0, top(values)),
@@ -34,7 +33,7 @@ pub fn figure(values: &Values, width: f64) -> Option<Canvas> {
             let Values { job, probability, low, high, .. } = values;
             let curves = Curves {
                 job,
-                view: &view,
+                view,
                 along,
                 values: probability,
                 low,
@@ -58,7 +57,7 @@ pub fn figure(values: &Values, width: f64) -> Option<Canvas> {
                 && model.pair().is_some_and(|[first, second]| is_of(first, vertical) && is_of(second, horizontal));
             let boundary_note = has_boundary.then_some("dashed: stability boundary of the expected values");
             let limits_of =
-                |slice: &Slice<'_>| values.limits.as_ref().map_or_else(Vec::new, |found| lines(found, &view, slice));
+                |slice: &Slice<'_>| values.limits.as_ref().map_or_else(Vec::new, |found| lines(found, view, slice));
             let has_limits = (0..view.slices()).any(|number| !limits_of(&view.slice(number)).is_empty());
             let limits_note = values.limits.as_ref().filter(|_| has_limits).map(note);
             let is_wide = |(low, high): (&f64, &f64)| levels.band(*high) > levels.band(*low) + 1;
@@ -68,7 +67,7 @@ pub fn figure(values: &Values, width: f64) -> Option<Canvas> {
             let hatching = "hatched: the interval reaches beyond the neighbouring colours";
             let area = Area {
                 job: &values.job,
-                view: &view,
+                view,
                 vertical,
                 horizontal,
                 values: values.probability.iter().map(|p| p.map(deviate)).collect(),
@@ -96,7 +95,7 @@ pub fn figure(values: &Values, width: f64) -> Option<Canvas> {
                 let limits = limits_of(&drawn.slice);
                 let mut labels = Vec::new();
                 limit_lines(canvas, &levels, &limits, drawn, &mut labels);
-                contour_lines(canvas, values, &view, drawn, &limits, &mut labels);
+                contour_lines(canvas, values, view, drawn, &limits, &mut labels);
             };
             Some(area.figure(width, drawn_lines))
         }
@@ -146,11 +145,12 @@ fn contour_lines(
     labels: &mut Vec<Place>,
 ) {
     let levels = Levels::up_to(values.largest());
-    for &level in levels.lines().iter().filter(|level| limits.iter().all(|line| line.target != **level)) {
-        let ink = ink_at(&levels, level);
+    for level in values.lines().into_iter().filter(|level| limits.iter().all(|line| line.target != *level)) {
+        let (ink, is_target) = (ink_at(&levels, level), values.job.target == Some(level));
+        let (label, width) = if is_target { (target_label(level), 2.0 * LINE) } else { (label(level), LINE) };
         for line in level_lines(&values.probability, view, &drawn.slice, level) {
             let line: Vec<Place> = line.iter().map(|point| drawn.place(*point)).collect();
-            labelled_line(canvas, &drawn.panel, &line, &label(level), (Pen::new(ink, LINE), ink), labels);
+            labelled_line(canvas, &drawn.panel, &line, &label, (Pen::new(ink, width), ink), labels);
         }
     }
 }

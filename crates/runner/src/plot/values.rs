@@ -5,6 +5,7 @@ use std::path::Path;
 use crate::failure::Failure;
 use crate::job::Job;
 use crate::picture::exceptions::Exceptions;
+use crate::plot::levels::Levels;
 use crate::tables::finished::FinishedSurface;
 use crate::tables::limits::FinishedLimits;
 
@@ -63,6 +64,16 @@ impl Values {
             exceptions.add(self.samples[cell], self.undecided[cell], self.failed[cell], self.outside[cell]);
         }
         exceptions
+    }
+
+    /// The probabilities that have a line on an area: some levels, and the target of the job; none where nothing scatters.
+    pub fn lines(&self) -> Vec<f64> {
+        if self.is_certain() {
+            return Vec::new();
+        }
+        let levels = Levels::up_to(self.largest()).lines();
+        let target = self.job.target.filter(|target| !levels.contains(target));
+        levels.iter().copied().chain(target).collect()
     }
 
     /// The largest probability.

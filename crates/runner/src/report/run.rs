@@ -128,38 +128,29 @@ impl ReportedRun {
             "verdicts": self.values.is_certain().then(|| self.verdicts()),
             "apart": self.apart(),
             "expected": expected_behaviours(job),
-            "lines": self.lines(&view, levels),
+            "lines": self.lines(&view),
             "recorded": self.recorded(),
             "sensitivity": self.sensitivity(),
         })
     }
 
-    /// The lines on the map in every slice, by the first cell of the slice: those of limits, and those of the levels that are
-    /// no target of a limit, as a plot draws them.
-    fn lines(&self, view: &GridView, levels: Levels) -> Vec<Value> {
+    /// The lines on the map in every slice, by the first cell of the slice: those of levels and of the target, and those of
+    /// limits, as a plot draws them.
+    fn lines(&self, view: &GridView) -> Vec<Value> {
         let values = &self.values;
         let of_slice = |slice: Slice<'_>| {
             let limits = values.limits.as_ref().map_or_else(Vec::new, |limits| lines(limits, view, &slice));
-            let is_level = |level: &&f64| limits.iter().all(|line| line.target != **level);
-            let contours: Vec<(f64, Vec<[f64; 2]>)> = match values.is_certain() {
-                true => Vec::new(),
-                false => {
-                    let levels = levels.lines().iter().filter(is_level);
-                    levels
-                        .flat_map(|&level| {
-                            level_lines(&values.probability, view, &slice, level)
-                                .into_iter()
-                                .map(move |line| (level, line))
-                        })
-                        .collect()
-                }
-            };
+            let is_level = |level: &f64| limits.iter().all(|line| line.target != *level);
             let line = |level: f64, points: &[[f64; 2]], is_limit: bool| {
                 let [x, y] = [0, 1].map(|axis| points.iter().map(|point| round(point[axis])).collect::<Vec<f64>>());
-                let name = if is_limit { target_label(level) } else { label(level) };
-                json!({ "first": slice.first, "level": level, "is_limit": is_limit, "name": name, "x": x, "y": y })
+                let is_wanted = is_limit || values.job.target == Some(level);
+                let name = if is_wanted { target_label(level) } else { label(level) };
+                json!({ "first": slice.first, "level": level, "is_limit": is_limit, "is_wide": is_wanted, "name": name, "x": x, "y": y })
             };
-            let contours = contours.iter().map(|(level, points)| line(*level, points, false));
+            let levels = values.lines().into_iter().filter(is_level);
+            let at_level = |level| level_lines(&values.probability, view, &slice, level);
+            let contours = levels.flat_map(|level| at_level(level).into_iter().map(move |points| (level, points)));
+            let contours = contours.map(|(level, points)| line(level, &points, false));
             contours.chain(limits.iter().map(|of| line(of.target, &of.points, true))).collect::<Vec<Value>>()
         };
         (0..view.slices()).flat_map(|number| of_slice(view.slice(number))).collect()

@@ -109,7 +109,7 @@ function probabilityTraces(x, y, cells, text) {
     const labelled = Math.floor((line.x.length - 1) * (i + 1) / (all.length + 1));
     return {
       type: "scatter", mode: "lines+text", x: line.x, y: line.y, hoverinfo: "skip",
-      line: { color: ink, width: line.is_limit ? 2.5 : 1 }, textposition: "top left", textfont: { size: 10, color: ink },
+      line: { color: ink, width: line.is_wide ? 2.5 : 1 }, textposition: "top left", textfont: { size: 10, color: ink },
       text: line.x.map((_, at) => (at === labelled ? line.name : "")),
     };
   });

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use crate::failure::Failure;
 use crate::picture::chart::Chart;
 use crate::picture::terminal::drawn;
+use crate::picture::view::GridView;
 use crate::picture::{Drawing, drawings};
 use crate::plot;
 use crate::plot::canvas::Canvas;
@@ -79,7 +80,8 @@ pub fn figure(parts: &[Part], width: f64) -> Result<Option<Canvas>, Failure> {
 
 /// The surface of a run, this wide in pixels; none of a single cell.
 pub fn plot_of(run: &Path, width: f64) -> Result<Option<Canvas>, Failure> {
-    Ok(plot::surface::figure(&Values::read(run)?, width))
+    let values = Values::read(run)?;
+    Ok(plot::surface::figure(&values, &GridView::new(&values.job), width))
 }
 
 impl Table {

@@ -174,15 +174,24 @@ impl Found<'_> {
     fn trends(&self) -> Vec<String> {
         let mut lines = Vec::new();
         for (place, quantity) in self.job.quantities.iter().enumerate() {
-            let mut words: Vec<&str> = Vec::new();
+            let mut counts: Vec<(&str, u64)> = Vec::new();
             for word in self.rows.iter().filter_map(|row| row.trends[place].map(trend_word)) {
-                if !words.contains(&word) {
-                    words.push(word);
+                match counts.iter_mut().find(|(of, _)| *of == word) {
+                    Some((_, count)) => *count += 1,
+                    None => counts.push((word, 1)),
                 }
             }
-            if !words.is_empty() {
-                lines.push(format!("Along {} P {}.", column_name(self.job, quantity), words.join("; or ")));
-            }
+            let said = match &counts[..] {
+                [] => continue,
+                [(word, _)] => (*word).to_owned(),
+                several => {
+                    let said = |(word, count): &(&str, u64)| {
+                        format!("{word} in {}", counted((*count).into(), "cell", "cells"))
+                    };
+                    several.iter().map(said).collect::<Vec<_>>().join(", ")
+                }
+            };
+            lines.push(format!("Along {} P {said}.", column_name(self.job, quantity)));
         }
         lines
     }

@@ -225,7 +225,9 @@ pub fn picture(differences: &Differences<'_>) -> String {
             continue;
         }
         drawn += 1;
-        text += &format!("Difference, second minus first,{}\n\n", view.slice_of(first).title(differences.job));
+        let shared = view.slice_of(first).title(differences.job);
+        let comma = if shared.starts_with(';') { "" } else { "," };
+        text += &format!("Difference, second minus first{comma}{shared}\n\n");
         text += &slice_picture(slice, &rows, &columns, (vertical, horizontal));
     }
     if more > 0 {
