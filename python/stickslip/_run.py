@@ -338,11 +338,9 @@ def run(
     Interrupted
         With Ctrl-C, a ``KeyboardInterrupt``. What was finished is kept: ``interrupted.run.resume()``.
     """
-    # The program says where it is if it is another one.
-    named = absolute(out) if out is not None else Path("runs") / name_of(job)
-    directory = absolute(named)
+    directory = absolute(out if out is not None else Path("runs") / name_of(job))
     argument, stdin = as_argument(job, directory.parent / ".matrices")
-    options = [*threads_option(threads), f"--out={named}"]
+    options = [*threads_option(threads), f"--out={directory}"]
     if overwrite:
         options.append("--overwrite")
     elif out is None:
@@ -354,7 +352,8 @@ def run(
     def heard(message: Message) -> None:
         nonlocal directory
         if message.code == "run-apart" and message.place is not None:
-            directory = absolute(message.place["file"])
+            # A path that cannot be shown is in quotes; the name of a job holds none.
+            directory = directory.with_name(Path(message.place["file"]).name.rstrip("'"))
 
     def submit() -> str:
         return call(["submit", argument, *options], stdin=stdin, progress=progress, heard=heard)

@@ -83,8 +83,9 @@ def test_the_same_arrays_are_the_same_run_and_others_are_not(
     assert "is finished already" in capsys.readouterr().err
     assert sorted((place / "runs" / ".matrices").iterdir()) == files
     hoffmann["model"]["mass"]["matrix"] = 2.0 * hoffmann["model"]["mass"]["matrix"]
-    with pytest.raises(stickslip.JobError):
-        stickslip.run(hoffmann)
+    with pytest.raises(stickslip.JobError, match="holds a run of another job"):
+        stickslip.run(hoffmann, first)
+    assert stickslip.run(hoffmann) != first
 
 
 def test_large_full_matrices_stand_in_a_file(place: Path) -> None:

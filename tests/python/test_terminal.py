@@ -2,26 +2,40 @@
 
 from __future__ import annotations
 
+import fcntl
 import os
 import pty
+import re
+import struct
 import sys
+import termios
 import time
 from pathlib import Path
 
+import pytest
+import tomli_w
 from conftest import LONG
 
+import stickslip
 
-def at_terminal(script: str, folder: Path, *, interrupt_at: Path | None = None) -> tuple[str, int]:
-    """Runs a script at a terminal, presses Ctrl-C when a file is there, and returns what is seen and the exit code."""
+
+def at_terminal(
+    script: str | list[str], folder: Path, *, interrupt_at: Path | None = None, columns: int = 80, after: float = 0.7
+) -> tuple[str, int]:
+    """Runs a script, or a command, at a terminal, presses Ctrl-C when a file has been there for a while, and returns what
+    is seen and the exit code.
+    """
     child, terminal = pty.fork()
     if child == 0:
         os.chdir(folder)
-        os.execv(sys.executable, [sys.executable, "-c", script])
+        fcntl.ioctl(0, termios.TIOCSWINSZ, struct.pack("HHHH", 24, columns, 0, 0))
+        command = [sys.executable, "-c", script] if isinstance(script, str) else script
+        os.execv(command[0], command)
     seen = b""
     while True:
         if interrupt_at is not None and interrupt_at.exists():
             interrupt_at = None
-            time.sleep(0.7)
+            time.sleep(after)
             os.write(terminal, b"\x03")
         try:
             data = os.read(terminal, 1 << 16)
@@ -77,5 +91,21 @@ except stickslip.UsageError as error:
     assert "CAUGHT 'job:4:11: axes.preload: 7 is out of range" in seen
     assert seen.count("JobWarning: axes.rotating_speed = 2000 rad/s is not plausible") == 1
     assert "stickslip: warning" not in seen
-    assert "CAUGHT \"invalid value '0' for '--threads <N>': 0 is not in 1..=1024\"" in seen
+    assert "CAUGHT \"invalid value '0' for 'threads': 0 is not in 1..=1024\"" in seen
     assert "10,000 samples in" in seen
+
+
+@pytest.mark.parametrize("columns", [40, 80, 100])
+def test_the_bar_of_the_program_keeps_to_its_line_and_leaves_nothing(place: Path, columns: int) -> None:
+    (place / "long.toml").write_text(tomli_w.dumps(LONG), encoding="utf-8")
+    command = [str(stickslip.program()), "submit", "long.toml", "--threads=1"]
+    seen, code = at_terminal(command, place, interrupt_at=place / "runs/long/job.toml", columns=columns, after=3.0)
+    assert code == 130
+    drawn = [re.sub(r"\x1b\[[0-9;]*[A-Za-z]", "", line) for line in re.split(r"[\r\n]", seen)]
+    bars = [line for line in drawn if " %  " in line]
+    assert len(bars) > 3 and any("left" in bar for bar in bars), seen
+    # With room for the ^C that the terminal writes behind it.
+    assert all(len(bar.replace("^C", "")) <= columns - 3 for bar in bars), bars
+    # The message takes the place of the bar.
+    assert re.search(r"\r\x1b\[2Kstickslip: interrupted: saving", seen), seen
+    assert not [line for line in seen.split("\r\n")[-4:] if " %  " in line.rsplit("\r", 1)[-1]], seen

@@ -91,6 +91,9 @@ fn with_arguments(text: &str, is_code: bool) -> String {
         } else if !is_known {
             done += &option[..2];
             rest = &option[2..];
+        } else if let Some((_, rest_of_it)) = after.strip_prefix(" <").and_then(|value| value.split_once('>')) {
+            done += &name.replace('-', "_");
+            rest = rest_of_it;
         } else if FLAGS.contains(&name) {
             let _ = write!(done, "{name}=True");
             rest = after;
@@ -125,6 +128,7 @@ mod tests {
             ("replace it with --overwrite.", "replace it with overwrite=True."),
             ("submit it with `--out runs/a`", "submit it with `out='runs/a'`"),
             ("--cell 9: the run has cells 0 to 3", "cell=9: the run has cells 0 to 3"),
+            ("a value '0' for '--threads <N>': no", "a value '0' for 'threads': no"),
             ("--set pad.mass: no", "pad.mass: no"),
             ("give --sbatch=--constraint=a", "give --sbatch=--constraint=a"),
             ("`stickslip merge a` writes it", "`stickslip merge a` writes it"),

@@ -71,11 +71,11 @@ impl End {
     }
 }
 
-/// Most combinations of the other axes that get a line each.
+/// Most slices, or combinations of the other axes, that get a line each.
 const MOST_LINES: usize = 12;
 
-/// Up to which value of the axis that runs upwards, or of the only one, the probability is surely below a target: for each
-/// combination of the others, and for all. What is said holds at the values that were computed.
+/// Up to which value of the axis that runs upwards, or of the only one, the probability is surely below a target: for all
+/// cells, and for each slice, or where there is one, each value to the right. What is said holds at the values that were computed.
 fn of_target(job: &Job, view: &GridView, high: &[f64], target: f64) -> String {
     let below = format!("P < {}", percent(target));
     let sure = job.sampling.method.upper_ends(&job.sampling);
@@ -86,25 +86,29 @@ fn of_target(job: &Job, view: &GridView, high: &[f64], target: f64) -> String {
     };
     let said = |end: Option<End>| end.map_or(format!("for no {}", axis.key()), |end| end.text(axis));
     let [all] = ends(axis, high, &[target])[..] else { return String::new() };
-    let mut combinations: BTreeMap<u64, Vec<(u64, f64)>> = BTreeMap::new();
+    let is_sliced = view.slices() > 1;
+    let mut groups: BTreeMap<u64, Vec<(u64, f64)>> = BTreeMap::new();
     for (cell, high) in (0..).zip(high) {
-        combinations.entry(cell - axis.offset(cell)).or_default().push((cell, *high));
+        let group = if is_sliced { view.slice_of(cell).first } else { cell - axis.offset(cell) };
+        groups.entry(group).or_default().push((cell, *high));
     }
-    let several = if combinations.len() > 1 { ", whatever the other axes" } else { "" };
+    let several = if groups.len() > 1 { ", whatever the other axes" } else { "" };
     let mut text = format!(
         "Target: {below}, with P the probability of instability. {below} {}{several} ({sure}; at the values that were computed, not between them).\n",
         said(all)
     );
-    if (2..=MOST_LINES).contains(&combinations.len()) {
-        for (first, cells) in &combinations {
-            let place = view.others_of(job, *first, axis);
-            text += &format!("At {place}: {below} {}.\n", said(end(axis, cells.iter().copied(), target)));
-        }
-    } else if combinations.len() > MOST_LINES {
-        let found = combinations.values().filter(|cells| end(axis, cells.iter().copied(), target).is_some()).count();
+    if (2..=MOST_LINES).contains(&groups.len()) {
+        let lines = groups.iter().map(|(first, cells)| {
+            let place = if is_sliced { view.slice_of(*first).place(job) } else { view.others_of(job, *first, axis) };
+            format!("At {place}: {below} {}.\n", said(end(axis, cells.iter().copied(), target)))
+        });
+        text.extend(lines);
+    } else if groups.len() > MOST_LINES {
+        let found = groups.values().filter(|cells| end(axis, cells.iter().copied(), target).is_some()).count();
         text += &format!(
-            "Of {} combinations of the other axes, {found} have {below} from an end of the {} on; `stickslip limit` finds where each ends.\n",
-            combinations.len(),
+            "Of {} {}, {found} have {below} from an end of the {} on; `stickslip limit` finds where each ends.\n",
+            groups.len(),
+            if is_sliced { "slices" } else { "combinations of the other axes" },
             axis.key()
         );
     }

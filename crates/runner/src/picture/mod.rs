@@ -32,6 +32,9 @@ const MOST_COLUMNS: usize = 60;
 /// range of probabilities.
 const MOST_SLICES: usize = 4;
 
+/// Largest number of further slices of which the range of probabilities is listed.
+const MOST_RANGES: usize = 12;
+
 /// Largest number of values that are shown as bars, with their numbers; more make a curve.
 const MOST_BARS: usize = 12;
 
@@ -128,7 +131,8 @@ fn others(surface: &Surface<'_>, view: &GridView, slices: usize) -> String {
     text += "Smallest and largest probability:\n";
     let length = |axis: Option<&ViewAxis>| axis.map_or(1, |axis| axis.values.len());
     let has_one_scatter = surface.job().grid.scatters == 1;
-    for number in MOST_SLICES..slices.min(MOST_PANELS) {
+    let listed = slices.min(MOST_SLICES + MOST_RANGES);
+    for number in MOST_SLICES..listed {
         let slice = view.slice(number);
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
         for up in 0..length(view.vertical()) {
@@ -144,8 +148,8 @@ fn others(surface: &Surface<'_>, view: &GridView, slices: usize) -> String {
         let title = if has_one_scatter { title.split(';').next().unwrap_or_default() } else { &title };
         text += &format!("{range:<20}  {}\n", title.trim_start_matches([' ', ';']));
     }
-    if slices > MOST_PANELS {
-        text += &format!("and {}\n", counted((slices - MOST_PANELS) as u128, "further slice", "further slices"));
+    if slices > listed {
+        text += &format!("and {}\n", counted((slices - listed) as u128, "further slice", "further slices"));
     }
     text + "\n"
 }

@@ -255,9 +255,14 @@ impl GridView {
 
     /// Where a cell lies on the axes of several values but one: "10 rad/s, static friction = 0.4".
     pub fn others_of(&self, job: &Job, cell: u64, but: &ViewAxis) -> String {
-        let is_other = |axis: usize| self.axes[axis].values.len() > 1 && self.axes[axis].stride != but.stride;
-        let values = self.values_of(cell, is_other).join(", ");
-        match (is_other(self.std), values.is_empty()) {
+        self.values_and_scatter(job, cell, |axis| self.axes[axis].stride != but.stride)
+    }
+
+    /// The values of a cell on axes of several values, with its standard deviations if they are one of these.
+    fn values_and_scatter(&self, job: &Job, cell: u64, is_wanted: impl Fn(usize) -> bool) -> String {
+        let is_wanted = |axis: usize| self.axes[axis].values.len() > 1 && is_wanted(axis);
+        let values = self.values_of(cell, is_wanted).join(", ");
+        match (is_wanted(self.std), values.is_empty()) {
             (false, _) => values,
             (true, true) => scatter(job, cell),
             (true, false) => format!("{values}; {}", scatter(job, cell)),
@@ -321,6 +326,11 @@ impl Slice<'_> {
     pub fn cell(&self, up: usize, right: usize) -> u64 {
         let along = |axis: Option<&ViewAxis>, position: usize| axis.map_or(0, |axis| position as u64 * axis.stride);
         self.first + along(self.view.vertical(), up) + along(self.view.horizontal(), right)
+    }
+
+    /// The values that all of its cells share and others do not: "15 rad/s, pad.mass = 0.1 kg".
+    pub fn place(&self, job: &Job) -> String {
+        self.view.values_and_scatter(job, self.first, |axis| !self.view.is_shown(axis))
     }
 
     /// The values that all of its cells share, as the end of a title: " at 15 rad/s, pad.mass = 0.1 kg; relative std:

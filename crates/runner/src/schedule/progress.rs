@@ -17,9 +17,9 @@ const PLAIN_SHORTEST: Duration = Duration::from_secs(2);
 /// Time between messages for programs, which draw a bar of them.
 const JSON_INTERVAL: Duration = Duration::from_millis(200);
 
-/// Characters of a bar, and of what stands beside it but for the text.
+/// Characters of a bar, and of what stands beside it but for the text: its share, spaces, and ^C behind it.
 const BAR: usize = 20;
-const BESIDE: usize = 8;
+const BESIDE: usize = 8 + 3;
 
 /// What is known of the total.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -56,7 +56,7 @@ impl Progress {
         let total = u64::try_from(total).unwrap_or(u64::MAX);
         let bar = (io::stderr().is_terminal() && !are_json()).then(|| {
             let bar = ProgressBar::with_draw_target(Some(total), ProgressDrawTarget::stderr());
-            let style = ProgressStyle::with_template(&format!("{{bar:{BAR}}} {{percent:>3}} %  {{wide_msg}}"));
+            let style = ProgressStyle::with_template(&format!("{{bar:{BAR}}} {{percent:>3}} %  {{msg}}"));
             bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
         });
         let now = Instant::now();
@@ -99,10 +99,11 @@ impl Progress {
         if let Some(bar) = &self.bar {
             bar.set_length(self.total);
             bar.set_position(self.done);
-            // A line that is too long would leave parts of it behind.
-            let width = rustix::termios::tcgetwinsize(io::stderr()).map_or(80, |size| usize::from(size.ws_col));
-            let fitting = self.texts().into_iter().find(|text| BAR + BESIDE + text.chars().count() < width);
-            bar.set_message(fitting.unwrap_or_else(|| self.left()));
+            // Parts of a line that is too long would stay behind, as would one behind which a terminal writes ^C.
+            let size = rustix::termios::tcgetwinsize(io::stderr()).ok().filter(|size| size.ws_col > 0);
+            let width = size.map_or(80, |size| usize::from(size.ws_col)).saturating_sub(BAR + BESIDE);
+            let fitting = self.texts().into_iter().find(|text| text.chars().count() <= width);
+            bar.set_message(fitting.unwrap_or_else(|| self.left().chars().take(width).collect()));
             return;
         }
         let since = self.last_line.elapsed();
