@@ -128,7 +128,7 @@ fn every_value_that_cannot_be_read_is_reported_with_what_would_be_right() {
             &["job.toml:17:8", "sampling.seed is 18446744073709551616", "from 0 to 18446744073709551615 (2^64 - 1)"],
         ),
         (changed("seed = 7", &format!("seed = 1{}", "0".repeat(50))), &["is too large", "(2^64 - 1)"]),
-        (changed("samples = 100", "samples = 1e5"), &["sampling.samples is 100000.0", "a whole number"]),
+        (changed("samples = 100", "samples = 1.5e0"), &["sampling.samples is 1.5", "a whole number"]),
         (
             changed("rotating_speed = 15.0", "Omega = 15.0\nk_t1 = 1\nsamples = 5"),
             &[

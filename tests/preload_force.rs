@@ -146,6 +146,7 @@ fn analyse_takes_a_force() {
     place
         .run("analyse --set operating_point.preload_force=2000 --set operating_point.preload=0.2")
         .refused(64, &["the preload is set too, operating_point.preload=0.2; leave one of the two out"]);
-    place.run("analyse --set preload_force=2000").refused(64, &["did you mean `operating_point.preload_force`?"]);
+    let short = place.run("analyse --set preload_force=2000").done().stdout;
+    assert_eq!(short, place.run("analyse --set operating_point.preload_force=2000").done().stdout);
     place.run("trajectory --set operating_point.preload_force=1e6").refused(64, &["at least 0 and at most 350975 N"]);
 }
