@@ -64,9 +64,10 @@ class Display:
         bar = f'<progress max="1" value="{share:.4f}"></progress> {html.escape(text)}'
         bundle = {"text/plain": text, "text/html": bar}
         if self._output is None:
-            from IPython.display import display
+            import IPython.display
 
-            self._output = display(bundle, raw=True, display_id=True)
+            show: Any = IPython.display.display
+            self._output = show(bundle, raw=True, display_id=True)
         else:
             self._output.update(bundle, raw=True)
 
