@@ -16,10 +16,13 @@ use stickslip_core::models::matrices::model::MatrixModel;
 use stickslip_core::models::matrices::problem::Problem;
 use stickslip_core::models::matrices::quadratic::DenseQuadratic;
 use stickslip_core::models::matrices::region::{Region, excess};
+use stickslip_core::numerics::eigenvalues::Eigenvalue;
 use stickslip_sampler::draw::deviates::Points;
 
+use super::kept_beside::KeptBeside;
 use super::modes::JobModes;
 use crate::cli::ReduceArguments;
+use crate::evaluate::remembering::Asked;
 use crate::evaluate::samples::Drawing;
 use crate::export::mat;
 use crate::failure::Failure;
@@ -27,6 +30,7 @@ use crate::files::publish::{publish, publish_first};
 use crate::job::reduction::Reduction;
 use crate::job::{Job, JobSource, with_full_matrices, with_reduced_matrices};
 use crate::output::{counted, note, output_file, result, shown, warn};
+use crate::store::searches::digest_of_searches;
 use crate::version::VERSION;
 
 /// Standard deviations from the expected value at which eigenvectors are taken of random inputs.
@@ -82,9 +86,16 @@ pub fn reduce(arguments: &ReduceArguments) -> Result<(), Failure> {
         "eigenvectors of {size} degrees of freedom at {}",
         counted(points.len() as u128, "parameter point", "parameter points")
     ));
-    let reduction = matrices.reduction(&recipe, KrylovLimit::default()).map_err(failed)?;
+    let what = [("vectors", vectors.to_string()), ("audit", audit.to_string()), ("version", VERSION.to_owned())];
+    let what = digest_of_searches("reduction", &job.experiment_hash(), &what);
+    let kept = KeptBeside::read(&(directory.clone(), name.clone()), what)?;
+    let keeper = Some(kept.keeper());
+    let reduction = kept_basis(&Asked::new(keeper, (0, 0)), [size, vectors], || {
+        matrices.reduction(&recipe, KrylovLimit::default())
+    });
+    let reduction = reduction.map_err(failed)?;
     let reduced = matrices.reduced(&reduction.basis);
-    let found = Audit::new(&job, model, &reduced, *audit).map_err(failed)?.found(size);
+    let found = Audit::new(&job, model, &reduced, *audit, &Asked::new(keeper, (0, 1))).map_err(failed)?.found(size);
     let text = described(&reduction, &points) + &found.text();
 
     let mut mat = Vec::new();
@@ -98,8 +109,54 @@ pub fn reduce(arguments: &ReduceArguments) -> Result<(), Failure> {
     if !publish_first(&directory, &name, job_text.as_bytes())? {
         return Err(Failure::Usage(format!("{} appeared meanwhile; name another file", named.display())));
     }
+    kept.forget();
     warn(found.warnings());
     result(&format!("{text}{}\n{}\n", shown(&named), shown(&named.with_file_name(&mat_name))))
+}
+
+/// A basis of so many degrees of freedom and at most so many vectors, which is kept.
+fn kept_basis(
+    asked: &Asked<'_>,
+    [size, vectors]: [usize; 2],
+    find: impl FnOnce() -> Result<Basis, Error>,
+) -> Result<Basis, Error> {
+    const COUNTS: usize = 3;
+    let read = |numbers: &[f64]| {
+        let (counts, entries) = numbers.split_first_chunk::<COUNTS>()?;
+        let sound = |count: &f64| count.fract() == 0.0 && (0.0..=vectors as f64).contains(count);
+        let [from_pairs, from_statics, from_modes] =
+            counts.iter().all(sound).then(|| counts.map(|count| count as usize))?;
+        let entries = entries.get(..size * (from_pairs + from_statics + from_modes))?;
+        let basis = DMatrix::from_column_slice(size, entries.len() / size, entries);
+        entries.iter().all(|entry| entry.is_finite()).then_some(Basis { basis, from_pairs, from_statics, from_modes })
+    };
+    let write = |found: &Basis| {
+        let counts = [found.from_pairs, found.from_statics, found.from_modes].map(|count| count as f64);
+        let mut numbers = [&counts[..], found.basis.as_slice()].concat();
+        numbers.resize(COUNTS + size * vectors, 0.0);
+        numbers
+    };
+    asked.ask(COUNTS + size * vectors, read, write, find)
+}
+
+/// More eigenvalues than any model has.
+const MOST: f64 = 1e9;
+
+/// Eigenvalues, which are kept: first how many there are.
+fn kept_eigenvalues(
+    asked: &Asked<'_>,
+    find: impl Fn() -> Result<Vec<Eigenvalue>, Error>,
+) -> Result<Vec<Eigenvalue>, Error> {
+    let mut found = None;
+    let count =
+        |numbers: &[f64]| numbers.first().filter(|count| (0.0..MOST).contains(*count)).map(|count| *count as usize);
+    let count = asked.ask(1, count, |count| vec![*count as f64], || Ok(found.insert(find()?).len()))?;
+    let read = |numbers: &[f64]| {
+        let values = numbers.chunks_exact(2).map(|parts| Eigenvalue::new(parts[0], parts[1])).collect();
+        numbers.iter().all(|part| part.is_finite()).then_some(values)
+    };
+    let write = |values: &Vec<Eigenvalue>| values.iter().flat_map(|value| [value.re, value.im]).collect();
+    asked.ask(2 * count, read, write, || found.map_or_else(find, Ok))
 }
 
 /// The values of the parameters at which eigenvectors are taken: the expected ones, and each parameter that an axis or its
@@ -170,7 +227,7 @@ struct Audit {
 
 impl Audit {
     /// Compares at as many samples.
-    fn new(job: &Job, model: &MatrixModel, reduced: &Reduced, samples: u64) -> Result<Self, Error> {
+    fn new(job: &Job, model: &MatrixModel, reduced: &Reduced, samples: u64, asked: &Asked<'_>) -> Result<Self, Error> {
         let mut audit = Self { samples, different: 0, difference: 0.0, missing: BTreeSet::new() };
         let cell = job.grid.cell(0);
         let count = model.matrices().parameters.len();
@@ -185,18 +242,24 @@ impl Audit {
             let columns = Columns::new(drawn.len(), &columns);
             for sample in 0..drawn.len() {
                 let values = columns.complete(sample, &cell.expected, &varying);
-                audit.compare(problems, &regions, &model.matrices().coefficients(&values[..count]))?;
+                audit.compare(problems, &regions, &model.matrices().coefficients(&values[..count]), asked)?;
             }
         }
         Ok(audit)
     }
 
     /// Compares the full problem with the reduced one at these coefficients.
-    fn compare(&mut self, problems: [&Problem; 2], regions: &[Region], coefficients: &[f64]) -> Result<(), Error> {
+    fn compare(
+        &mut self,
+        [full, reduced]: [&Problem; 2],
+        regions: &[Region],
+        coefficients: &[f64],
+        asked: &Asked<'_>,
+    ) -> Result<(), Error> {
         let mut verdicts = [false; 2];
         for region in regions {
-            let [full, reduced] = problems.map(|problem| problem.eigenvalues(coefficients, slice::from_ref(region)));
-            let (mut full, reduced) = (full?, reduced?);
+            let of = |problem: &Problem| problem.eigenvalues(coefficients, slice::from_ref(region));
+            let (mut full, reduced) = (kept_eigenvalues(asked, || of(full))?, of(reduced)?);
             full.retain(|value| region.has_frequency_of(*value));
             let lost = missing(&full, &reduced, TOLERANCE).into_iter();
             self.missing.extend(lost.map(|index| format!("{:.4e}", full[index].im / TAU)));

@@ -220,6 +220,8 @@ fn by_continued_fraction(a: f64, b: f64, point: Point) -> f64 {
     let (mut c, mut d) = (fraction, 0.0);
     let mut m = 0.0;
     while m < 1e6 {
+        #[cfg(test)]
+        tests::TERMS.with(|terms| terms.set(terms.get() + 1));
         m += 1.0;
         let odd = a + 2.0 * m - 1.0;
         let numerator = (a + m - 1.0) / odd * ((a + b + m - 1.0) / odd) * m * (b - m) * x * x;

@@ -1,5 +1,7 @@
 //! Tails and quantiles against sums, closed forms and high precision.
 
+use std::cell::Cell;
+
 use super::*;
 
 /// Tails by mpmath 1.4 with 40 digits: numerical integration of the density, at the doubles nearest to these x.
@@ -216,21 +218,25 @@ const ODD: [f64; 16] = [
     1e300,
 ];
 
+thread_local! {
+    /// Terms of continued fractions that were computed.
+    pub(super) static TERMS: Cell<u64> = const { Cell::new(0) };
+}
+
 #[test]
-fn whatever_is_asked_is_answered_soon() {
-    let started = std::time::Instant::now();
-    let mut asked = 0;
+fn whatever_is_asked_is_answered_with_few_terms() {
+    let (mut before, mut most) = (0, 0);
     for a in ODD {
         for b in ODD {
             for p in [f64::NAN, -1.0, 0.0, 1e-300, 1e-12, 0.025, 0.5, 0.975, 1.0, 2.0] {
                 let values = [quantile(a, b, p), upper_quantile(a, b, p), lower_tail(a, b, p), upper_tail(a, b, p)];
-                asked += values.len() as u32;
+                let terms = TERMS.get();
+                (most, before) = (most.max(terms - before), terms);
                 let is_known = [a, b].iter().all(|of| (1.0..=1e10).contains(of)) && (0.0..=1.0).contains(&p);
                 let are_shares = values.iter().all(|value| (0.0..=1.0).contains(value));
                 assert!(are_shares || !is_known, "{a} {b} {p}: {values:?}");
             }
         }
     }
-    let each = started.elapsed().as_secs_f64() / f64::from(asked);
-    assert!(each < 1e-3, "{each} s");
+    assert!(before > 1000 && most < 100_000, "of {before} terms {most} for one question");
 }
