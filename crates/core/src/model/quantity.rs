@@ -102,6 +102,8 @@ pub struct Quantity {
     pub title: Option<Cow<'static, str>>,
     /// Whether it is the rate of change of the quantity before it, so that both make a phase plane.
     pub is_rate: bool,
+    /// Whether it is a displacement over [`Model::length_scale`](super::Model::length_scale).
+    pub is_over_length: bool,
 }
 
 impl Quantity {
@@ -127,6 +129,7 @@ impl Quantity {
             scatters_absolutely: false,
             title: None,
             is_rate: false,
+            is_over_length: false,
         }
     }
 

@@ -2,9 +2,8 @@
 
 use crate::job::Job;
 use crate::picture::view::{GridView, MOST_PANELS, Slice, ViewAxis};
-use crate::plot::axes::{axis, axis_of_cells};
+use crate::plot::axes::{axis, axis_of_cells, edges_of};
 use crate::plot::canvas::{BLACK, Canvas, GREY, Pen, Place, Rgb, Side, width_of};
-use crate::plot::cells::edges_of;
 use crate::plot::contours::Field;
 use crate::plot::panel::{ABOVE, Arrangement, Axis, Layout, Panel, RIGHT, SMALL, heading, space_of, write_notes};
 

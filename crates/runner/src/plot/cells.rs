@@ -3,7 +3,7 @@
 use stickslip_core::model::Model;
 
 use crate::picture::view::{GridView, MOST_PANELS, Slice, ViewAxis};
-use crate::plot::axes::axis_of_cells;
+use crate::plot::axes::{axis_of_cells, edges_of};
 use crate::plot::canvas::{Canvas, Place};
 use crate::plot::panel::{ABOVE, Arrangement, Axis, LEFT, Layout, Panel, RIGHT, heading};
 use crate::plot::regions::{Region, Regions};
@@ -95,16 +95,6 @@ fn regions(
 /// The edges of cells about their places.
 fn edges(places: &[f64]) -> Vec<[f64; 2]> {
     (0..places.len()).map(|i| edges_of(places, i)).collect()
-}
-
-/// The edges of the cell about a place: half way to its neighbours, and as far where it has none.
-pub fn edges_of(places: &[f64], i: usize) -> [f64; 2] {
-    let neighbour = |by: isize| i.checked_add_signed(by).and_then(|other| places.get(other));
-    [-1, 1].map(|by| match (neighbour(by), neighbour(-by)) {
-        (Some(other), _) => 0.5 * (places[i] + other),
-        (None, Some(other)) => places[i] - 0.5 * (other - places[i]),
-        (None, None) => places[i],
-    })
 }
 
 /// The verdict of a cell.

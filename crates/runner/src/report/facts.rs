@@ -1,6 +1,5 @@
 //! What a reader needs to know of a run to take its probabilities for what they are.
 
-use stickslip_core::models::pad_on_disc::model::PRELOAD;
 use toml::{Table, Value};
 
 use super::run::{ReportedRun, length_scale_mm};
@@ -45,10 +44,9 @@ fn values(job: &Job, axis: &ViewAxis) -> String {
         let ends = if axis.values.len() == 1 { first } else { format!("{first} to {last}") };
         format!("{ends} {unit}").trim_end().to_owned()
     };
-    // The preload is over the thickness of the disc.
-    let is_preload = job.model.as_pad().is_some() && axis.quantity == Some(PRELOAD);
-    let displacement = match length_scale_mm(job).filter(|_| is_preload) {
-        Some(thickness) => format!(" (displacement {})", range(thickness, "mm")),
+    let is_over_length = axis.quantity.is_some_and(|place| job.quantity(place).is_over_length);
+    let displacement = match length_scale_mm(job).filter(|_| is_over_length) {
+        Some(length) => format!(" (displacement {})", range(length, "mm")),
         None => String::new(),
     };
     let count = match axis.values.len() {

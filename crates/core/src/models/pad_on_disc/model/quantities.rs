@@ -58,7 +58,7 @@ pub fn quantities(start: &GivenStart) -> Vec<Quantity> {
             ..quantity.clone()
         };
         match scalar.key {
-            PRELOAD_KEY => shown("preload", "preload", "preload", Role::Input),
+            PRELOAD_KEY => Quantity { is_over_length: true, ..shown("preload", "preload", "preload", Role::Input) },
             STATIC_FRICTION_KEY => shown("static_friction", "static_friction", "static friction", Role::Input),
             ROTATING_SPEED_KEY => Quantity {
                 title: Some("Rotating speed Ω".into()),
