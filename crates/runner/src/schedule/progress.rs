@@ -17,7 +17,7 @@ const PLAIN_SHORTEST: Duration = Duration::from_secs(2);
 /// Time between messages for programs, which draw a bar of them.
 const JSON_INTERVAL: Duration = Duration::from_millis(200);
 
-/// Characters of a bar, and of what stands beside it but for the text: its share, spaces, and ^C behind it.
+/// Characters of a bar, and of what stands beside it but for the text: its share, spaces, and some room.
 const BAR: usize = 20;
 const BESIDE: usize = 8 + 3;
 
@@ -99,7 +99,7 @@ impl Progress {
         if let Some(bar) = &self.bar {
             bar.set_length(self.total);
             bar.set_position(self.done);
-            // Parts of a line that is too long would stay behind, as would one behind which a terminal writes ^C.
+            // Parts of a line that is too long would stay behind.
             let size = rustix::termios::tcgetwinsize(io::stderr()).ok().filter(|size| size.ws_col > 0);
             let width = size.map_or(80, |size| usize::from(size.ws_col)).saturating_sub(BAR + BESIDE);
             let fitting = self.texts().into_iter().find(|text| text.chars().count() <= width);
