@@ -106,7 +106,7 @@ fn read_bounds(numbers: &[f64]) -> Option<Bounds> {
 
 /// A number that counts something.
 fn index(number: f64) -> Option<usize> {
-    (number >= 0.0 && number.fract() == 0.0 && number < 2_f64.powi(53)).then_some(number as usize)
+    (number >= 0.0 && number.fract() == 0.0 && number < 9_007_199_254_740_992.0).then_some(number as usize)
 }
 
 /// What the probability is an integral over.

@@ -43,7 +43,7 @@ mod tests {
         let plane = |x: f64, y: f64| x + libm::log10(y) - 2.0;
         let probability: Vec<Option<f64>> = (0..job.cells())
             .map(|cell| plane(horizontal.values[horizontal.position(cell)], vertical.values[vertical.position(cell)]))
-            .map(|deviate| Some(normal::distribution(deviate)))
+            .map(|deviate| Some(normal::upper_tail(-deviate)))
             .collect();
         for level in [0.05, 0.5, 0.9] {
             let lines = level_lines(&probability, &view, &view.slice(0), level);
