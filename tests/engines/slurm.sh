@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Runs jobs on a cluster of Slurm on this machine: a controller and two nodes, on loopback, in a temporary directory. One
 # run loses a node with its tasks, one only the daemon of a node, so that its tasks run twice, and in one the task
-# reaches its time limit. Each surface must have the bytes of a run by a single process.
+# reaches its time limit. Searches for rare events and verdict maps lose a node, too, and a search is warned of
+# its time limit. Each surface must have the bytes of a run by a single process.
 #
 #   tests/engines/slurm.sh PROGRAM
 set -euo pipefail
@@ -76,12 +77,46 @@ submit() {
     "$program" submit "$place/$1.toml" --out "$place/$run" --engine slurm --partition main "${@:2}" 2>>"$place/submit.log"
 }
 restarts() { scontrol show job "$1" | sed -n 's/.* Restarts=\([0-9]*\).*/\1/p' | paste -sd + | bc; }
+is_running() { [ -n "$(squeue --noheader --states=R --jobs="$1" 2>/dev/null)" ]; }
 running_on() { [ "$(squeue --noheader --states=R --nodelist="$1" --jobs="$2" 2>/dev/null | wc -l)" -ge 2 ]; }
+# All at once, as a power cut does: nothing is left that could report the others.
+lose_n1() {
+    local all
+    all=$(cat "$place/slurmd.n1.daemon"; tasks_of n1)
+    kill -STOP $all 2>/dev/null || true
+    kill -KILL $all 2>/dev/null || true
+}
 is_written() { [ -e "$place/$1/surface.parquet" ]; }
 
 job "$place/short.toml" short 24
 job "$place/long.toml" long 36
 say "jobs of 24 and 36 seconds at $samples_per_second samples/s"
+
+# Searches for rare events that take some ten seconds, and a map.
+slow_inputs='"preload", "static_friction", "friction.kinetic_coefficient", "stiffness.contact_normal", "pad.mass"'
+search_job() {
+    cat >"$place/$1.toml" <<EOF
+name = "$1"
+[axes]
+rotating_speed = $2
+preload = 0.1
+static_friction = $3
+[random]
+inputs = [$4]
+relative_std = $5
+[criterion]
+kind = "time-domain"
+disc = "$6"
+[sampling]
+seed = 2
+$7
+EOF
+}
+search_job importance 15.0 0.25 "$slow_inputs" 0.05 flexible $'method = "importance"\nrandomisations = 8\nparticles = 2000\nsamples = 1024'
+search_job subset 15.0 0.25 "$slow_inputs" 0.05 flexible $'method = "subset"\nrandomisations = 4\nparticles = 500'
+search_job boundary '{ from = 12.0, to = 18.0, points = 24 }' '[0.38, 0.40]' '"preload", "static_friction"' 0.02 rigid \
+    $'evaluate = "boundary"\nsamples = 20_000'
+searches="importance subset boundary"
 
 # The task reaches its time limit: Slurm warns half a minute and more before it.
 read -r limited _ < <(submit limited long --shards 1 --time 1 --sbatch=--signal=B:USR1@50 --sbatch=--exclude=n1)
@@ -91,10 +126,7 @@ reference=$!
 read -r lost _ < <(submit lost short --shards 8)
 wait_for 60 "tasks on n1" running_on n1 "$lost"
 sleep 1
-# All at once, as a power cut does: nothing is left that could report the others.
-n1=$(cat "$place/slurmd.n1.daemon"; tasks_of n1)
-kill -STOP $n1 2>/dev/null || true
-kill -KILL $n1 2>/dev/null || true
+lose_n1
 say "n1 is lost with its tasks; $("$program" status "$place/lost" | grep "^shards")"
 wait_for 120 "surface after the loss of a node" is_written lost
 wait "$reference"
@@ -120,6 +152,36 @@ same "$place/twice" "$place/whole-short"
 say "tasks ran twice: $(restarts "$twice") restarts, the surface is that of a single process"
 
 wait "$reference"
+for name in $searches; do "$program" submit "$place/$name.toml" --out "$place/whole-$name" >/dev/null 2>&1; done
+start_node n1
+wait_for 60 "two nodes" is_up n1
+tasks=
+for name in $searches; do
+    read -r task _ < <(submit "lost-$name" "$name" --shards 2 --sbatch=--nodelist=n1)
+    tasks+=${tasks:+,}$task
+done
+# What Slurm sends before a time limit.
+read -r warned _ < <(submit warned importance --shards 1 --sbatch=--exclude=n1)
+wait_for 60 "searches on n1" running_on n1 "$tasks"
+wait_for 60 "search on n2" is_running "$warned"
+sleep 4
+scancel --batch --signal=USR1 "$warned"
+lose_n1
+say "n1 is lost with the searches of $searches"
+# It comes back, as after a power cut.
+start_node n1
+for name in $searches; do
+    wait_for 240 "surface of $name after the loss of a node" is_written "lost-$name"
+    same "$place/lost-$name" "$place/whole-$name"
+done
+say "a node was lost with searches for rare events and a verdict map: the surfaces are those of a single process"
+
+wait_for 180 "surface of a search that was warned" is_written warned
+same "$place/warned" "$place/whole-importance"
+grep -h terminated "$place"/warned/slurm/shard-*.log >/dev/null || fail "no search was warned of its time limit"
+[ "$(restarts "$warned")" -ge 1 ] || fail "no search was started again"
+say "a search was warned of its time limit: $(restarts "$warned") restarts, the surface is that of a single process"
+
 wait_for 180 "surface after time limits" is_written limited
 same "$place/limited" "$place/whole-long"
 grep -h terminated "$place"/limited/slurm/shard-*.log >/dev/null || fail "no task has reached its time limit"

@@ -127,11 +127,12 @@ pub fn compute(
     let engine = Engine::new(threads)?;
     let mut evaluator = Evaluator::new(&job)?;
     let mut integrated = Vec::new();
-    let searches =
-        match job.answer() == Answer::Integral && job.integrated().is_some() || job.answer().is_of_rare_events() {
-            true => Some(Arc::new(directory.searches_of(SEARCHES, job.experiment_hash())?)),
-            false => None,
-        };
+    let searches = match job.answer() == Answer::Integral && job.map_use() == MapUse::Nothing
+        || job.answer().is_of_rare_events()
+    {
+        true => Some(Arc::new(directory.searches_of(SEARCHES, job.experiment_hash())?)),
+        false => None,
+    };
     if let Some(searches) = &searches {
         evaluator.keep_searches_by(searches.clone());
     }
@@ -148,6 +149,11 @@ pub fn compute(
             .map_err(|failure| kept(failure, &directory))?;
         if outcome == Outcome::Finished {
             (outcome, integrated) = engine.integrate(&evaluator, &audits, interrupt)?;
+            if outcome == Outcome::Finished
+                && let Some(searches) = &searches
+            {
+                searches.forget();
+            }
         }
     } else if outcome == Outcome::Finished {
         outcome = count(&engine, &evaluator, &directory, &mut tally, shard, interrupt)
@@ -176,10 +182,7 @@ pub fn compute(
         );
         let kept = match job.map_use() {
             MapUse::Nothing if job.draws_samples() => format!("{samples} are kept; continue with"),
-            MapUse::Nothing if job.integrated().is_some() => {
-                "integrals that were found are kept; continue with".to_owned()
-            }
-            MapUse::Nothing => "integrals are not kept one by one; begin again with".to_owned(),
+            MapUse::Nothing => "integrals that were found are kept; continue with".to_owned(),
             MapUse::LookUp => format!("{samples} and the finished tiles of the verdict map are kept; continue with"),
             MapUse::Integrate => {
                 "finished tiles of the verdict map and finished audits are kept; continue with".to_owned()

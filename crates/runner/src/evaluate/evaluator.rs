@@ -94,7 +94,7 @@ impl<'a> Evaluator<'a> {
         self.job
     }
 
-    /// Keeps the answers of searches for rare events, and integrals over critical values, in jobs that have some.
+    /// Keeps the answers of searches for rare events, and integrals without maps, in jobs that have some.
     pub fn keep_searches_by(&mut self, keeper: Arc<dyn Keeper>) {
         if let Some(rare_events) = &mut self.rare_events {
             rare_events.keep_by(keeper.clone());

@@ -79,17 +79,19 @@ impl Evaluator<'_> {
     pub fn integrate(&self, cell: &Cell, regions: &[MapRegions], lookups: Lookups) -> IntegratedCell {
         let index = self.job.grid.configuration_index(cell.index);
         let pair = self.job.normal_pair(cell);
+        let asked = Asked::new(self.keeper.as_deref(), (cell.index, 0));
         if let Some(boundary) = &self.criteria.boundary(self.job, index) {
-            let exact = exact_probability(self.job, boundary, &pair, correlation_of_pair(self.job));
-            let low = (exact.value - exact.error_bound).max(0.0);
-            let high = (exact.value + exact.error_bound).min(1.0);
+            let Ok(estimate) = asked.estimate(|| {
+                let exact = exact_probability(self.job, boundary, &pair, correlation_of_pair(self.job));
+                let low = (exact.value - exact.error_bound).max(0.0);
+                let high = (exact.value + exact.error_bound).min(1.0);
+                Ok::<_, Infallible>(Estimate { probability: Some(exact.value), low, high })
+            });
             let wanted = self.job.sampling.derivatives;
             let derivatives = if wanted { closed_form::derivatives(boundary, &pair) } else { Derivatives::default() };
-            let estimate = Estimate { probability: Some(exact.value), low, high };
             return IntegratedCell { estimate, derivatives, ..IntegratedCell::unknown() };
         }
         if let Some(place) = self.job.integrated() {
-            let asked = Asked::new(self.keeper.as_deref(), (cell.index, 0));
             let find = || Ok::<_, Infallible>(self.unstable_values.estimate(self.job, cell, place));
             let Ok(estimate) = asked.estimate(find);
             return IntegratedCell { estimate, ..IntegratedCell::unknown() };

@@ -315,8 +315,8 @@ impl Job {
         match self.has_closed_form() {
             true if self.has_cheap_samples() => 1000 * BLOCK_SAMPLES,
             true => 20 * BLOCK_SAMPLES,
-            // Most of them are looked up.
-            false if self.uses_maps() => 100 * BLOCK_SAMPLES,
+            // Most of them are looked up, but each lane may keep a unit waiting for one that is simulated.
+            false if self.uses_maps() => 10 * BLOCK_SAMPLES,
             false if self.model().has_slow_samples() => BLOCK_SAMPLES / 25,
             false => BLOCK_SAMPLES,
         }

@@ -68,7 +68,7 @@ impl Searches {
     }
 
     /// Forgets the answers, of which none is needed any more.
-    pub fn forget(self) {
+    pub fn forget(&self) {
         *self.gathered.lock().unwrap_or_else(PoisonError::into_inner) = (Vec::new(), Instant::now());
         let Ok(Some(folder)) = self.parent.within_if_there(&self.name) else { return };
         for name in folder.names().unwrap_or_default().iter().filter(|name| is_piece_name(name)) {
