@@ -1,6 +1,6 @@
 """Random jobs of every criterion and method: how long `check` takes, and how well it predicts `submit`.
 
-Usage: python3 benches/check_jobs.py PROGRAM [--jobs N] [--seed S] [--longest SECONDS] [--keep FILE.csv]
+Usage: python3 benches/check_jobs.py PROGRAM [--jobs N] [--seed S] [--longest SECONDS] [--seconds SECONDS] [--keep FILE.csv]
 
 A job that `check` refuses is drawn again, so that N jobs are accepted. Those with a predicted time below the longest are
 run. All work is done on one thread, and times are of the clock on the wall: run it on a quiet machine. It needs Python 3.9
@@ -197,14 +197,16 @@ def main() -> int:
     parser.add_argument("--jobs", type=int, default=300)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--longest", type=float, default=20.0, help="predicted seconds of jobs that are run")
+    parser.add_argument("--seconds", type=float, default=float("inf"), help="begin no job later than this")
     parser.add_argument("--keep", type=Path, help="a table of all jobs, and the jobs beside it")
     options = parser.parse_args()
     program = options.program.resolve()
     rows, refused, failed = [], 0, []
+    begun = time.monotonic()
     with tempfile.TemporaryDirectory() as scratch:
         folder = Path(scratch)
         number = 0
-        while len(rows) < options.jobs:
+        while len(rows) < options.jobs and time.monotonic() - begun < options.seconds:
             number += 1
             text, criterion, method = drawn_job(random.Random(f"{options.seed}/{number}"))
             job = folder / f"{number}.toml"

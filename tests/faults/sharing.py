@@ -3,10 +3,26 @@
 import re
 import shutil
 import signal
+import subprocess
 import time
 from typing import Iterator
 
-from common import BUSY, DONE, INPUT_OUTPUT, SAME, STATED, Missed, Place, Row, Suite, Try, check
+from common import (
+    BUSY,
+    DONE,
+    INPUT_OUTPUT,
+    SAME,
+    STATED,
+    Missed,
+    Place,
+    Row,
+    Skipped,
+    Suite,
+    Try,
+    check,
+    need,
+    need_root,
+)
 from kinds import RUNS
 
 # What the second runner does, beside a first one that submits or resumes.
@@ -103,8 +119,35 @@ def disturbed(place: Place, what: str) -> str:
     return place.finish(STATED)
 
 
+# A command that starts another one as the first process of its own, so that all have the same number on the same host.
+ALONE = ["unshare", "--pid", "--fork", "--mount-proc"]
+
+
+def equal_processes(suite: Suite) -> Iterator[Try]:
+    need("unshare")
+    need_root()
+    tried = subprocess.run([*ALONE, "true"], capture_output=True)
+    if tried.returncode != DONE:
+        raise Skipped(f"unshare does not work here: {tried.stderr.decode(errors='replace').strip()}")
+
+    def act(place: Place) -> str:
+        words = [*place.words(threads=1), "--shard"]
+        # A shard that runs twice, as after a lost node.
+        twins = [place.start(*words, "1/2", before=ALONE) for _ in range(2)]
+        for running in [*twins, place.start(*words, "2/2", before=ALONE)]:
+            running.ended({DONE})
+        place.stickslip("merge", "run")
+        place.same_bytes()
+        return place.finish(SAME)
+
+    for kind in suite.kinds("equal-processes", RUNS):
+        for number in range(suite.many(1, 10)):
+            yield Try(kind, f"{number}", act)
+
+
 ROWS = [
     Row("two-runners", "two runners at once", two_runners, is_timed=True),
+    Row("equal-processes", "shards whose processes have one number and host", equal_processes),
     Row("stale-lock", "a killed runner leaves no lock", stale_locks, is_timed=True),
     Row("moved", "the directory is moved, removed, replaced", moved_or_removed, is_timed=True),
 ]
