@@ -94,7 +94,7 @@ fn an_axis_may_be_written_in_any_form_of_toml() {
     let place = Place::new();
     let checked = |text: &str| {
         place.write("job.toml", text);
-        let done = place.run("check job.toml").done();
+        let done = place.run("check --all job.toml").done();
         done.stdout.lines().take_while(|line| !line.starts_with("# ")).map(str::to_owned).collect::<Vec<_>>()
     };
     let with = |axes: &str| format!("name = \"job\"\n[criterion]\n{RIGID}\n[axes]\n{axes}\n");
@@ -259,7 +259,7 @@ fn what_depends_on_all_axes_is_checked_at_their_extremes() {
     let place = Place::new();
     let axes = "\"pad.mass\" = [0.1, 500.0]\n\"damping.tangential\" = { from = 1.0, to = 400.0, points = 3 }";
     place.write("job.toml", &job("job", axes, "", RIGID, "samples = 1"));
-    let said = place.run("check job.toml").done().stderr;
+    let said = place.run("check --all job.toml").done().stderr;
     assert!(said.contains("axes.pad.mass = 500 kg is not plausible"), "{said}");
     assert!(said.contains("the damping ratio of the tangential motion = ") && said.contains("is below"), "{said}");
     // A heavy pad needs fewer modes than a light one; the job gets as many as the one that needs most.
@@ -540,5 +540,5 @@ fn radii_that_contradict_each_other_are_refused_with_both() {
     );
     // Not given, it follows the edge of the disc.
     place.write("job.toml", &job("job", "\"disc.outer_radius\" = [0.11, 0.15]", SCATTER, EIGENVALUE, ""));
-    place.run("check job.toml").done();
+    place.run("check --all job.toml").done();
 }

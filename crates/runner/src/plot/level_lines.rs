@@ -33,14 +33,14 @@ mod tests {
     use super::*;
     use crate::job::JobSource;
 
-    /// P = Phi(x + log10 y - 1), which is a plane in deviates over one linear and one logarithmic axis.
+    /// P = Phi(4 x + log10 y - 3), which is a plane in deviates over one linear and one logarithmic axis.
     #[test]
     fn lines_are_exact_where_deviates_are_a_plane() {
-        let text = "name = \"j\"\n[axes]\nrotating_speed = { from = 1, to = 100, points = 9, spacing = \"log\" }\npreload = { from = 0.5, to = 2.5, points = 6 }\n[random]\ninputs = [\"preload\"]\nrelative_std = 0.1\n[criterion]\nkind = \"eigenvalue\"\n[sampling]\nseed = 1\n";
+        let text = "name = \"j\"\n[axes]\nrotating_speed = { from = 1, to = 100, points = 9, scale = \"log\" }\npreload = { from = 0.1, to = 0.9, points = 6 }\n[random]\ninputs = [\"preload\"]\nrelative_std = 0.1\n[criterion]\nkind = \"eigenvalue\"\n[sampling]\nseed = 1\n";
         let job = JobSource { path: "job.toml".into(), text: text.to_owned() }.job().unwrap();
         let view = GridView::new(&job);
         let (vertical, horizontal) = (view.vertical().unwrap(), view.horizontal().unwrap());
-        let plane = |x: f64, y: f64| x + libm::log10(y) - 2.0;
+        let plane = |x: f64, y: f64| 4.0 * x + libm::log10(y) - 3.0;
         let probability: Vec<Option<f64>> = (0..job.cells())
             .map(|cell| plane(horizontal.values[horizontal.position(cell)], vertical.values[vertical.position(cell)]))
             .map(|deviate| Some(normal::upper_tail(-deviate)))
