@@ -1,6 +1,6 @@
 //! Lines over two axes on which the probability passes a level: the one rule by which plots and reports find them.
 //!
-//! Between the cells the [deviate](deviate) of the probability is interpolated, over the scales of the axes.
+//! Between the cells the [`deviate`] of the probability is interpolated, over the scales of the axes.
 
 use crate::picture::scale::Scale;
 use crate::picture::view::{GridView, Slice};
