@@ -132,7 +132,9 @@ fn a_run_of_another_job_is_refused_and_untouched() {
     place.write("job.toml", &surface_job("mine", 3, 100, 7));
     place.run("submit job.toml").done();
     let before = place.surface("runs/mine");
-    place.run("submit job.toml --seed 8").refused(65, &["run of another job", "`sampling.seed = 7`", "`sampling.seed = 8`", "--out"]);
+    place
+        .run("submit job.toml --seed 8")
+        .refused(65, &["run of another job", "`sampling.seed = 7`", "`sampling.seed = 8`", "--out"]);
     place
         .run("submit job.toml --samples 50")
         .refused(65, &["100 samples in each cell, more than the 50 of this one", "--out"]);

@@ -6,7 +6,7 @@ use crate::failure::Failure;
 use crate::job::Job;
 use crate::picture::exceptions::Exceptions;
 use crate::plot::levels::Levels;
-use crate::tables::finished::FinishedSurface;
+use crate::tables::finished::{FinishedSurface, FinishedValues};
 use crate::tables::limits::FinishedLimits;
 
 /// A finished run with its probabilities, one for each cell.
@@ -23,7 +23,7 @@ pub struct Values {
     /// Samples without a certain verdict, and samples that failed.
     pub undecided: Vec<u64>,
     pub failed: Vec<u64>,
-    /// Samples outside the model; 0 where no samples are drawn.
+    /// Samples outside the model; 0 where these are not counted.
     pub outside: Vec<u64>,
     /// Its limits, if it has some.
     pub limits: Option<FinishedLimits>,
@@ -39,14 +39,16 @@ impl Values {
         surface.note_other_version();
         let names = ["p_unstable", "p_low", "p_high", "n_samples", "n_unstable", "n_undecided", "n_failed"];
         let [probability, low, high, samples, unstable, undecided, failed] = surface.numbers(names)?;
-        let outside = match surface.job.draws_samples() {
-            true => surface.numbers(["n_outside_physics"])?.concat(),
-            false => vec![None; probability.len()],
+        // Runs that integrate, over all inputs or over one, do not count them.
+        let outside = match surface.columns(|name| name == "n_outside_physics")?.pop().map(|column| column.values) {
+            Some(FinishedValues::Integer(counts)) => {
+                counts.into_iter().map(|count| count.unwrap_or(0) as u64).collect()
+            }
+            _ => vec![0; probability.len()],
         };
         let known = |column: Vec<Option<f64>>| column.into_iter().map(|value| value.unwrap_or(f64::NAN)).collect();
         let counts = |column: Vec<Option<f64>>| column.into_iter().map(|value| value.unwrap_or(0.0) as u64).collect();
         let [samples, unstable, undecided, failed] = [samples, unstable, undecided, failed].map(counts);
-        let outside = counts(outside);
         let (low, high) = (known(low), known(high));
         let limits = FinishedLimits::read(run, &surface.job)?;
         Ok(Self { job: surface.job, probability, low, high, samples, unstable, undecided, failed, outside, limits })
