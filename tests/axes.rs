@@ -95,7 +95,7 @@ fn an_axis_may_be_written_in_any_form_of_toml() {
     let checked = |text: &str| {
         place.write("job.toml", text);
         let done = place.run("check --all job.toml").done();
-        done.stdout.lines().take_while(|line| !line.starts_with("# ")).map(str::to_owned).collect::<Vec<_>>()
+        done.stdout.lines().filter(|line| !line.starts_with("# ")).map(str::to_owned).collect::<Vec<_>>()
     };
     let with = |axes: &str| format!("name = \"job\"\n[criterion]\n{RIGID}\n[axes]\n{axes}\n");
     let quoted = checked(&with("\"pad.mass\" = [0.1, 1.0, 10.0]\n\"start.velocity\" = [1.0, 2.0]\npreload = 0.2"));

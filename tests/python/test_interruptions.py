@@ -75,7 +75,7 @@ def test_an_interrupted_run_goes_on_to_the_same_bytes(whom: str, place: Path, wh
     assert process.returncode == 0, err
     first, second = out.splitlines()
     assert 0 < float(first.split()[0]) < 1, out
-    assert "samples are kept; continue with `stickslip resume" in first
+    assert "samples are kept; continue with `stickslip.Run(" in first and ".resume()`" in first
     assert second == "finished"
     assert err.count("interrupted: saving what is finished") == 1, err
     assert (place / "long" / "surface.parquet").read_bytes() == whole
@@ -86,7 +86,7 @@ def test_run_goes_on_with_an_interrupted_run(place: Path, whole: bytes) -> None:
     with pytest.raises(stickslip.CannotCreateError) as caught:
         stickslip.run(LONG, "long", progress=False, resume=False)
     assert caught.value.code == "run-unfinished"
-    assert caught.value.remedy is not None and caught.value.remedy.startswith("stickslip resume ")
+    assert caught.value.remedy is not None and caught.value.remedy.endswith("long').resume()")
     run = stickslip.run(LONG, "long", progress=False)
     assert (run.path / "surface.parquet").read_bytes() == whole
     assert "60,000 samples each" in run.output
@@ -106,7 +106,7 @@ def interrupted_run(place: Path) -> None:
         stickslip.run(LONG, "long", progress=False, threads=1)
     timer.join()
     assert isinstance(caught.value, stickslip.Interrupted)
-    assert caught.value.code == "interrupted" and "stickslip resume " in (caught.value.remedy or "")
+    assert caught.value.code == "interrupted" and (caught.value.remedy or "").endswith("long').resume()")
     assert caught.value.run == stickslip.Run("long")
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
