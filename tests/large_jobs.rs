@@ -102,3 +102,31 @@ fn integrals_are_not_shared_among_nodes() {
     let printed: Value = serde_json::from_str(&place.run("check job.toml --nodes 4 --json").done().stdout).unwrap();
     assert!(printed["cluster"].is_null() && printed["load"].is_null(), "{printed:#}");
 }
+
+/// A job that is simulated and stops by precision is tried in two ways, one after the other.
+#[test]
+fn a_trial_of_simulated_samples_that_stop_by_precision_finds_a_cost() {
+    let place = Place::new();
+    let job = r#"
+name = "until"
+[axes]
+rotating_speed = { from = 14.5, to = 19.3, points = 3 }
+preload = { from = 0.17, to = 0.21, points = 6 }
+static_friction = { from = 0.3, to = 0.5, points = 5 }
+[random]
+inputs = ["rotating_speed", "friction.kinetic_coefficient", "pad.mass"]
+relative_std = 0.174
+[criterion]
+kind = "time-domain"
+disc = "flexible"
+start = "limit-cycle"
+[sampling]
+until = { relative = 0.3, at_most = 2637 }
+"#;
+    place.write("job.toml", job);
+    let said: serde_json::Value =
+        serde_json::from_str(&place.run("check job.toml --threads 1 --json").done().stdout).unwrap();
+    // No processor simulates a motion within a microsecond.
+    let seconds = said["seconds_of_a_sample"].as_f64().unwrap();
+    assert!(seconds > 1e-6, "{seconds} s a sample");
+}

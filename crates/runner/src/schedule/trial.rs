@@ -105,14 +105,21 @@ impl Engine {
         let is_simulated = evaluator.job().model().simulation().is_some();
         let mut trial = SampleTrial::default();
         if !is_simulated || evaluator.parts().looks().is_some() {
-            trial = self.try_batches(evaluator, &places, until)?;
+            // A stream that follows has the other half of the time.
+            let until_stream = Instant::now() + (until - Instant::now()) / 2;
+            trial = self.try_batches(evaluator, &places, if is_simulated { until_stream } else { until })?;
             if trial.cost == 0.0 {
                 trial.cost = took.as_secs_f64();
             }
         }
         if is_simulated {
             // Simulations of different cells share the lanes, so that batches by themselves take longer.
-            (trial.cost, trial.error) = self.try_stream(evaluator, &places, until)?;
+            let (cost, error) = self.try_stream(evaluator, &places, until)?;
+            if cost > 0.0 {
+                (trial.cost, trial.error) = (cost, error);
+            } else if trial.cost == 0.0 {
+                (trial.cost, trial.error) = (took.as_secs_f64(), FROM_FEW);
+            }
         }
         Ok(trial)
     }
