@@ -46,11 +46,9 @@ kind = "belt-oscillator"
 mass = 1.0
 stiffness = 1.0
 damping = 0.1
-normal_force = 1.0
 belt_speed = 1.3
 [model.friction]
 law = "stribeck"
-static_coefficient = 0.5
 kinetic_coefficient = 0.25
 stribeck_velocity = 1.0
 """
