@@ -124,8 +124,7 @@ start = "limit-cycle"
 until = { relative = 0.3, at_most = 2637 }
 "#;
     place.write("job.toml", job);
-    let said: serde_json::Value =
-        serde_json::from_str(&place.run("check job.toml --threads 1 --json").done().stdout).unwrap();
+    let said: Value = serde_json::from_str(&place.run("check job.toml --threads 1 --json").done().stdout).unwrap();
     // No processor simulates a motion within a microsecond.
     let seconds = said["seconds_of_a_sample"].as_f64().unwrap();
     assert!(seconds > 1e-6, "{seconds} s a sample");
