@@ -85,8 +85,8 @@ impl LookedAt {
     /// the model that it looks at.
     pub fn by(pad: &PadModel, values: &[f64]) -> Self {
         match pad.criterion() {
-            Criterion::Eigenvalue => Self { disc: DiscModel::Rigid, settings: TimeDomainSettings::default() },
-            Criterion::CoupledEigenvalue { modes } => {
+            Criterion::Eigenvalue { .. } => Self { disc: DiscModel::Rigid, settings: TimeDomainSettings::default() },
+            Criterion::CoupledEigenvalue { modes, .. } => {
                 Self { disc: DiscModel::Flexible { modes: *modes }, settings: TimeDomainSettings::default() }
             }
             Criterion::TimeDomain { disc, settings } => {

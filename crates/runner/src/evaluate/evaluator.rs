@@ -156,6 +156,7 @@ impl<'a> Evaluator<'a> {
         let mut second = self.has_second_samples().then(|| self.draw(&cell, place, &samples, Points::SecondRandom));
         while let Some(chunk) = drawing.next_chunk(self.chunk) {
             if !self.layout.need_samples()
+                && self.job.model().recorded().is_empty()
                 && let Some((mut counted, outside)) = self.criteria.count(self.job, configuration, chunk)
             {
                 self.layout.add_outside_physics(&mut unit.sums, outside);

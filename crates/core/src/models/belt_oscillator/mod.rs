@@ -18,7 +18,7 @@ use crate::model::recorded::RecordedResult;
 use crate::model::{Configuration, Model, ModelError, SampleQueue, Simulation};
 use crate::models::pad_on_disc::criterion::settings::TimeDomainSettings;
 use crate::models::pad_on_disc::criterion::time_domain::DiscModel;
-use crate::models::pad_on_disc::model::{self as pad, Criterion, PadModel};
+use crate::models::pad_on_disc::model::{Criterion, LinearRecord, PadModel};
 use crate::models::pad_on_disc::motion::start_value::StartValue;
 use crate::models::pad_on_disc::parameters::{Damping, Disc, Friction, OperatingPoint, Pad, Parameters, Stiffness};
 
@@ -26,8 +26,25 @@ use self::configuration::{OnBelt, Queue};
 
 mod configuration;
 
-/// The amplitude that is recorded of motions.
-const AMPLITUDE: RecordedResult = RecordedResult { unit: "m", meaning: "half peak to peak of x", ..pad::AMPLITUDE };
+/// A recorded result of the pad as one of the oscillator. Its values are the same: see [`BeltOscillator::pad`].
+fn of_belt(result: &RecordedResult) -> RecordedResult {
+    match result.name {
+        "amplitude" => RecordedResult { unit: "m", meaning: "half peak to peak of x", ..*result },
+        "critical_speed" => RecordedResult {
+            unit: "m/s",
+            meaning: "highest belt speed at which steady sliding is unstable, 0 if it is stable at every speed",
+            ..*result
+        },
+        "critical_preload" => RecordedResult {
+            name: "critical_normal_force",
+            unit: "N",
+            noun: "critical normal force",
+            meaning: "normal force above which steady sliding is unstable",
+            ..*result
+        },
+        _ => *result,
+    }
+}
 
 /// The values of an oscillator, in SI units.
 #[derive(Debug, Clone, PartialEq)]
@@ -99,7 +116,10 @@ impl Oscillator {
 #[derive(Debug, Clone, Copy)]
 pub enum BeltCriterion {
     /// The eigenvalues of steady sliding, in closed form.
-    Eigenvalue,
+    Eigenvalue {
+        /// What is recorded of samples.
+        record: LinearRecord,
+    },
     /// The motion itself.
     TimeDomain(TimeDomainSettings),
 }
@@ -111,6 +131,7 @@ pub struct BeltOscillator {
     /// The pad that moves in the same way; preload 1 presses with 1 N, so that its preload is the normal force.
     pad: PadModel,
     quantities: Vec<Quantity>,
+    recorded: Vec<RecordedResult>,
 }
 
 /// A quantity of the oscillator: its name, symbol, unit and meaning, and the parameters of the pad that follow it, each
@@ -189,16 +210,23 @@ pub fn quantities() -> Vec<Quantity> {
     entries().map(of).chain(starts).collect()
 }
 
+impl Default for BeltCriterion {
+    fn default() -> Self {
+        Self::Eigenvalue { record: LinearRecord::default() }
+    }
+}
+
 impl BeltOscillator {
     /// An oscillator, of which the expected values of the quantities replace those given here.
     #[must_use]
     pub fn new(oscillator: Oscillator, criterion: BeltCriterion) -> Self {
         let criterion = match criterion {
-            BeltCriterion::Eigenvalue => Criterion::Eigenvalue,
+            BeltCriterion::Eigenvalue { record } => Criterion::Eigenvalue { record },
             BeltCriterion::TimeDomain(settings) => Criterion::TimeDomain { disc: DiscModel::Rigid, settings },
         };
         let pad = PadModel::new(oscillator.pressed(1.0), criterion);
-        Self { oscillator, pad, quantities: quantities() }
+        let recorded = pad.recorded().iter().map(of_belt).collect();
+        Self { oscillator, pad, quantities: quantities(), recorded }
     }
 
     /// The oscillator with these expected values of all quantities.
@@ -310,7 +338,7 @@ impl Model for BeltOscillator {
     }
 
     fn recorded(&self) -> &[RecordedResult] {
-        if self.pad.recorded().is_empty() { &[] } else { &[AMPLITUDE] }
+        &self.recorded
     }
 
     fn has_closed_form(&self) -> bool {

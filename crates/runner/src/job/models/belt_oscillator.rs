@@ -11,7 +11,7 @@ use stickslip_core::model::Model;
 use stickslip_core::model::quantity::{Quantity, Role};
 use stickslip_core::models::belt_oscillator::{BeltCriterion, BeltOscillator, Oscillator, quantities};
 use stickslip_core::models::pad_on_disc::criterion::settings::TimeDomainSettings;
-use stickslip_core::models::pad_on_disc::model::Criterion;
+use stickslip_core::models::pad_on_disc::model::{Criterion, LinearResult};
 use stickslip_core::models::pad_on_disc::motion::start::{GivenStart, Start};
 use stickslip_core::models::pad_on_disc::parameters::{Friction, ParameterError, Parameters};
 use stickslip_core::models::pad_on_disc::rigid_disc::pad_on_disc::PadOnDisc;
@@ -19,9 +19,9 @@ use stickslip_sampler::grid::{Axis, Grid};
 use toml::Spanned;
 use toml_edit::DocumentMut;
 
-use super::pad_on_disc::criterion_spec::Record;
 use super::pad_on_disc::friction::{self, FrictionSpec, LawSpec, use_law};
 use super::pad_on_disc::overrides::number_within;
+use super::record_spec::{self, RecordedName, linear_record, names_of};
 use super::start_spec::{StartNumbers, StartSpec};
 use crate::job::axes_spec::AxesSpec;
 use crate::job::diagnosis::{Complaint, Complaints};
@@ -127,10 +127,9 @@ struct BeltCriterionSpec {
     /// What happens to samples outside the model, with normal force at or below 0 or f_s < f_c.
     #[schemars(with = "Option<OutsidePhysics>", extend("default" = "stable"))]
     outside_physics: Option<Spanned<OutsidePhysics>>,
-    /// What else is written for each cell: `["amplitude"]` adds mean and quantiles of the settled amplitude of x, in m.
-    /// With `kind = "time-domain"`.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    record: Vec<Record>,
+    /// What else is written for each cell: mean and quantiles of these results of its samples, as further columns.
+    #[schemars(with = "Option<Vec<BeltRecord>>", extend("default" = []))]
+    record: Option<Spanned<Vec<BeltRecord>>>,
 }
 
 /// How a sample of an oscillator on a belt is decided.
@@ -141,6 +140,34 @@ enum BeltKind {
     Eigenvalue,
     /// The motion itself, simulated in time.
     TimeDomain,
+}
+
+/// What a run can record of the samples of an oscillator on a belt.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+enum BeltRecord {
+    /// Settled amplitude of the unstable samples, half peak to peak of x, m. With `kind = "time-domain"`.
+    Amplitude,
+    /// Largest real part of the eigenvalues, 1/s. With `kind = "eigenvalue"`.
+    GrowthRate,
+    /// Highest belt speed at which steady sliding is unstable, m/s; 0 where it is stable at every speed. With `kind =
+    /// "eigenvalue"`.
+    CriticalSpeed,
+    /// Normal force above which steady sliding is unstable, N. With `kind = "eigenvalue"`.
+    CriticalNormalForce,
+}
+
+impl RecordedName for BeltRecord {
+    const ALL: &'static [Self] = &[Self::Amplitude, Self::GrowthRate, Self::CriticalSpeed, Self::CriticalNormalForce];
+
+    fn linear(self) -> Option<LinearResult> {
+        match self {
+            Self::Amplitude => None,
+            Self::GrowthRate => Some(LinearResult::GrowthRate),
+            Self::CriticalSpeed => Some(LinearResult::CriticalSpeed),
+            Self::CriticalNormalForce => Some(LinearResult::CriticalPreload),
+        }
+    }
 }
 
 /// A state that a motion starts in. What is left out is as in steady sliding.
@@ -246,7 +273,7 @@ impl BeltDraft {
         let friction = self.friction.clone();
         let unknown =
             Oscillator { mass: 1.0, stiffness: 1.0, damping: 0.0, normal_force: 1.0, belt_speed: 1.0, friction };
-        BeltOscillator::new(unknown, BeltCriterion::Eigenvalue).oscillator(expected)
+        BeltOscillator::new(unknown, BeltCriterion::default()).oscillator(expected)
     }
 
     /// Where motions start, if the criterion simulates them.
@@ -287,12 +314,15 @@ impl BeltDraft {
         };
         let random = parts.random.map_or(&[][..], |random| &random.inputs);
         let start = self.start(&parts.spec.axes, random);
+        let names = spec.record.as_ref().map_or(&[][..], |record| record.get_ref());
+        let known = if kind == BeltKind::Eigenvalue { &BeltRecord::ALL[1..] } else { &BeltRecord::ALL[..1] };
+        let span = spec.record.as_ref().map(Spanned::span);
+        complaints.take(record_spec::check(names, known, &kind).map_err(|message| Complaint::maybe_at(span, message)));
         if kind == BeltKind::Eigenvalue {
             let keys = [
                 ("start", spec.start.as_ref().map(Spanned::span)),
                 ("displacement", spec.displacement.as_ref().map(Spanned::span)),
                 ("horizon", spec.horizon.as_ref().map(Spanned::span)),
-                ("record", (!spec.record.is_empty()).then(|| spanned.span())),
             ];
             for (key, span) in keys {
                 let message =
@@ -311,14 +341,14 @@ impl BeltDraft {
                 let span = parts.spec.random.inputs.as_ref().map(Spanned::span);
                 complaints.push(Complaint::maybe_at(span, format!("random.inputs: {name} {OF_MOTIONS}")));
             }
-            return Some(BeltCriterion::Eigenvalue);
+            return Some(BeltCriterion::Eigenvalue { record: linear_record(names) });
         }
         let default = TimeDomainSettings::default();
         let settings = TimeDomainSettings {
             start,
             displacement: spec.displacement.as_ref().map_or(default.displacement, |value| *value.get_ref()),
             horizon: spec.horizon.as_ref().map_or(default.horizon.min(self.longest(grid)), |value| *value.get_ref()),
-            record_amplitude: spec.record.contains(&Record::Amplitude),
+            record_amplitude: names.contains(&BeltRecord::Amplitude),
             ..default
         };
         let checked = settings.validate().map_err(|error| Complaint::at(spanned.span(), format!("criterion.{error}")));
@@ -424,7 +454,7 @@ impl Draft for BeltDraft {
     fn check_grid(&self, grid: Option<&Grid>, parts: Parts<'_>, complaints: &mut Complaints) -> bool {
         friction::check_law_of_varied(parts, &self.quantities, &self.friction, complaints);
         let Some(grid) = grid.filter(|_| self.is_whole) else { return self.is_whole };
-        let model = BeltOscillator::new(self.oscillator(&self.expected), BeltCriterion::Eigenvalue);
+        let model = BeltOscillator::new(self.oscillator(&self.expected), BeltCriterion::default());
         let checked = configurable(&model, grid).map_err(|error| Complaint::maybe_at(None, format!("model: {error}")));
         complaints.take(checked).is_some()
     }
@@ -503,12 +533,16 @@ impl JobModel for BeltJob {
 impl From<&Criterion> for BeltCriterionSpec {
     fn from(criterion: &Criterion) -> Self {
         let of_kind = |kind: BeltKind| Self { kind: Some(written(kind)), ..Self::default() };
-        let Criterion::TimeDomain { settings, .. } = criterion else { return of_kind(BeltKind::Eigenvalue) };
+        let Criterion::TimeDomain { settings, .. } = criterion else {
+            let record = criterion.linear_record();
+            let record = (!record.is_empty()).then(|| written(names_of(record)));
+            return Self { record, ..of_kind(BeltKind::Eigenvalue) };
+        };
         Self {
             start: Some(written((&settings.start).into())),
             displacement: Some(written(settings.displacement)),
             horizon: Some(written(settings.horizon)),
-            record: settings.record_amplitude.then_some(Record::Amplitude).into_iter().collect(),
+            record: settings.record_amplitude.then(|| written(vec![BeltRecord::Amplitude])),
             ..of_kind(BeltKind::TimeDomain)
         }
     }

@@ -16,6 +16,8 @@ use super::model::{Draft, Kind};
 use super::reading::is_of_model;
 use super::spec::JobSpec;
 
+pub mod record_spec;
+
 pub mod start_spec;
 
 pub mod pad_on_disc;

@@ -5,6 +5,7 @@ use std::any::Any;
 use crate::friction::law::LawKind;
 use crate::model::decision::Decision;
 use crate::model::pair_boundary::PairBoundary;
+use crate::model::recorded::{NOTHING, RecordedValues};
 use crate::model::verdict::{Verdict, VerdictCounts};
 use crate::model::{ClosedForm, Columns, Configuration, IsStopped, ModelError};
 use crate::models::pad_on_disc::criterion::time_domain::TimeDomain;
@@ -20,6 +21,7 @@ use crate::models::pad_on_disc::rigid_disc::pad_on_disc::{PadOnDisc, RandomInput
 use crate::models::pad_on_disc::rigid_disc::varying_brake::VaryingBrake;
 
 use super::definition::Criterion;
+use super::linear_results::LinearRecord;
 use super::list::List;
 use super::quantities::{configuration_scalars, error, first_of_start};
 
@@ -82,6 +84,7 @@ pub(super) struct PadConfiguration {
     /// Where samples have brakes of their own.
     own: Option<VaryingBrake>,
     pub(super) prepared: Prepared,
+    record: LinearRecord,
 }
 
 pub(super) enum Prepared {
@@ -96,7 +99,7 @@ impl PadConfiguration {
     pub(super) fn outline(brake: PadOnDisc, varying: Varying) -> Self {
         let scalars: Vec<_> = varying.scalars.iter().map(|(_, scalar)| *scalar).collect();
         let own = varying.has_own_brakes().then(|| VaryingBrake::new(brake.clone(), scalars));
-        Self { brake, varying, own, prepared: Prepared::Outline }
+        Self { brake, varying, own, prepared: Prepared::Outline, record: LinearRecord::default() }
     }
 
     pub(super) fn new(
@@ -108,14 +111,14 @@ impl PadConfiguration {
         let outline = Self::outline(brake, varying);
         let brake = &outline.brake;
         let prepared = match (criterion, like.map(|like| &like.prepared)) {
-            (Criterion::Eigenvalue, _) => {
+            (Criterion::Eigenvalue { .. }, _) => {
                 let own = outline.own.clone().map(|own| Box::new(VaryingClosedForm::new(own)));
                 Prepared::Eigenvalue(brake.stability_boundary(), own)
             }
             (Criterion::CoupledEigenvalue { .. }, Some(Prepared::CoupledEigenvalue(like))) => {
                 Prepared::CoupledEigenvalue(Box::new(like.with_brake(brake.clone()).map_err(error)?))
             }
-            (Criterion::CoupledEigenvalue { modes }, _) => {
+            (Criterion::CoupledEigenvalue { modes, .. }, _) => {
                 let flexible = FlexibleBrake::with_modes(brake.clone(), *modes).map_err(error)?;
                 Prepared::CoupledEigenvalue(Box::new(flexible))
             }
@@ -129,7 +132,7 @@ impl PadConfiguration {
                 Prepared::TimeDomain(Box::new(TimeDomain::new(brake, disc, *settings).map_err(error)?))
             }
         };
-        Ok(Self { prepared, ..outline })
+        Ok(Self { prepared, record: criterion.linear_record(), ..outline })
     }
 
     pub(super) fn from_any(configuration: &dyn Configuration) -> Option<&Self> {
@@ -161,8 +164,33 @@ impl PadConfiguration {
     }
 }
 
-impl Configuration for PadConfiguration {
-    fn decide(&self, samples: &Columns<'_>, wanted: &[usize], is_stopped: IsStopped<'_>) -> Option<Vec<Decision>> {
+impl PadConfiguration {
+    /// What is recorded of a sample within the model that is decided by linear stability, with these values of what varies.
+    fn recorded(&self, values: &[f64]) -> RecordedValues {
+        let inputs = RandomInputs { preload: values[0], static_friction: values[1] };
+        let brake = match self.own_brake(values) {
+            None => Some(self.brake.clone()),
+            Some(own) => own,
+        };
+        let with_inputs = |brake: PadOnDisc| {
+            let mut parameters = brake.parameters().clone();
+            parameters.operating_point.preload = inputs.preload;
+            parameters.friction.static_coefficient = inputs.static_friction;
+            PadOnDisc::of_admissible(parameters).ok()
+        };
+        let Some(brake) = brake.and_then(with_inputs) else { return NOTHING };
+        let flexible = match &self.prepared {
+            Prepared::CoupledEigenvalue(shared) => shared.with_brake(brake.clone()).ok(),
+            _ => None,
+        };
+        let mut recorded = NOTHING;
+        for (value, result) in recorded.iter_mut().zip(self.record.results()) {
+            *value = result.value(&brake, flexible.as_ref(), inputs);
+        }
+        recorded
+    }
+
+    fn decide_all(&self, samples: &Columns<'_>, wanted: &[usize], is_stopped: IsStopped<'_>) -> Option<Vec<Decision>> {
         match &self.prepared {
             Prepared::Outline => Some(vec![Verdict::Failed.into(); wanted.len()]),
             Prepared::Eigenvalue(boundary, None) => {
@@ -200,6 +228,22 @@ impl Configuration for PadConfiguration {
                 list.decisions()
             }
         }
+    }
+}
+
+impl Configuration for PadConfiguration {
+    fn decide(&self, samples: &Columns<'_>, wanted: &[usize], is_stopped: IsStopped<'_>) -> Option<Vec<Decision>> {
+        let mut decisions = self.decide_all(samples, wanted, is_stopped)?;
+        if !self.record.is_empty() {
+            let outside = self.outside(samples)?;
+            for (decision, &sample) in decisions.iter_mut().zip(wanted).filter(|(_, sample)| !outside[**sample]) {
+                if is_stopped() {
+                    return None;
+                }
+                decision.recorded = self.recorded(&samples.sample(sample).collect::<Vec<f64>>());
+            }
+        }
+        Some(decisions)
     }
 
     fn outside(&self, samples: &Columns<'_>) -> Option<Vec<bool>> {

@@ -2,6 +2,7 @@
 
 use crate::model::ModelError;
 use crate::model::quantity::Quantity;
+use crate::model::recorded::{RecordedOf, RecordedResult};
 use crate::models::pad_on_disc::criterion::settings::TimeDomainSettings;
 use crate::models::pad_on_disc::criterion::time_domain::DiscModel;
 use crate::models::pad_on_disc::motion::start::{GivenStart, Start};
@@ -9,20 +10,36 @@ use crate::models::pad_on_disc::motion::start_value::StartValue;
 use crate::models::pad_on_disc::parameters::{Parameters, Scalar};
 use crate::models::pad_on_disc::rigid_disc::pad_on_disc::PadOnDisc;
 
+use super::linear_results::{LinearRecord, LinearResult};
 use super::quantities::{
     PRELOAD, PRELOAD_KEY, STATIC_FRICTION, STATIC_FRICTION_KEY, configuration_scalars, error, first_of_start,
     quantities,
+};
+
+/// The amplitude that is recorded of motions.
+pub const AMPLITUDE: RecordedResult = RecordedResult {
+    name: "amplitude",
+    unit: "1",
+    noun: "settled amplitude",
+    meaning: "half peak to peak of x over disc thickness",
+    of: RecordedOf::Unstable,
+    is_length: true,
 };
 
 /// What decides whether a sample is stable.
 #[derive(Debug, Clone)]
 pub enum Criterion {
     /// Closed form on a rigid disc.
-    Eigenvalue,
+    Eigenvalue {
+        /// What is recorded of samples.
+        record: LinearRecord,
+    },
     /// Eigenvalues of pad and flexible disc.
     CoupledEigenvalue {
         /// Disc modes that are kept.
         modes: usize,
+        /// What is recorded of samples: the growth rate, or nothing.
+        record: LinearRecord,
     },
     /// The motion itself.
     TimeDomain {
@@ -38,10 +55,26 @@ impl Criterion {
     #[must_use]
     pub fn modes(&self) -> Option<usize> {
         match self {
-            Self::Eigenvalue | Self::TimeDomain { disc: DiscModel::Rigid, .. } => None,
-            Self::CoupledEigenvalue { modes } | Self::TimeDomain { disc: DiscModel::Flexible { modes }, .. } => {
+            Self::Eigenvalue { .. } | Self::TimeDomain { disc: DiscModel::Rigid, .. } => None,
+            Self::CoupledEigenvalue { modes, .. } | Self::TimeDomain { disc: DiscModel::Flexible { modes }, .. } => {
                 Some(*modes)
             }
+        }
+    }
+
+    /// What is recorded of samples that are decided by linear stability.
+    #[must_use]
+    pub fn linear_record(&self) -> LinearRecord {
+        match self {
+            Self::Eigenvalue { record } | Self::CoupledEigenvalue { record, .. } => *record,
+            Self::TimeDomain { .. } => LinearRecord::default(),
+        }
+    }
+
+    fn recorded(&self) -> Vec<RecordedResult> {
+        match self {
+            Self::TimeDomain { settings, .. } => settings.record_amplitude.then_some(AMPLITUDE).into_iter().collect(),
+            _ => self.linear_record().results().map(LinearResult::described).collect(),
         }
     }
 
@@ -61,6 +94,7 @@ pub struct PadModel {
     parameters: Parameters,
     criterion: Criterion,
     pub(super) quantities: Vec<Quantity>,
+    pub(super) recorded: Vec<RecordedResult>,
 }
 
 impl PadModel {
@@ -69,7 +103,8 @@ impl PadModel {
     #[must_use]
     pub fn new(parameters: Parameters, criterion: Criterion) -> Self {
         let quantities = quantities(&criterion.given_start().unwrap_or_default());
-        Self { parameters, criterion, quantities }
+        let recorded = criterion.recorded();
+        Self { parameters, criterion, quantities, recorded }
     }
 
     /// The parameters, with the values that axes do not have.

@@ -3,7 +3,7 @@
 use crate::model::behaviour::Behaviours;
 use crate::model::decision::Source;
 use crate::model::quantity::Quantity;
-use crate::model::recorded::{RecordedOf, RecordedResult};
+use crate::model::recorded::RecordedResult;
 use crate::model::{Configuration, Model, ModelError, SampleQueue, Simulation};
 use crate::models::pad_on_disc::criterion::time_domain::DiscModel;
 use crate::models::pad_on_disc::degree_of_freedom::SOURCES;
@@ -13,6 +13,8 @@ use self::configuration::{PadConfiguration, Varying};
 use self::queue::Motions;
 
 mod quantities;
+
+mod linear_results;
 
 mod definition;
 
@@ -24,20 +26,11 @@ mod configuration;
 
 mod queue;
 
-pub use definition::{Criterion, PadModel};
+pub use definition::{AMPLITUDE, Criterion, PadModel};
+pub use linear_results::{LinearRecord, LinearResult};
 pub use quantities::{
     PRELOAD, PRELOAD_KEY, ROTATING_SPEED, STATIC_FRICTION, STATIC_FRICTION_KEY, configuration_scalars, first_of_start,
     inputs, quantities,
-};
-
-/// The amplitude that is recorded of motions.
-pub const AMPLITUDE: RecordedResult = RecordedResult {
-    name: "amplitude",
-    unit: "1",
-    noun: "settled amplitude",
-    meaning: "half peak to peak of x over disc thickness",
-    of: RecordedOf::Unstable,
-    is_length: true,
 };
 
 impl PadModel {
@@ -93,14 +86,11 @@ impl Model for PadModel {
     }
 
     fn recorded(&self) -> &[RecordedResult] {
-        match self.criterion() {
-            Criterion::TimeDomain { settings, .. } if settings.record_amplitude => &[AMPLITUDE],
-            _ => &[],
-        }
+        &self.recorded
     }
 
     fn has_closed_form(&self) -> bool {
-        matches!(self.criterion(), Criterion::Eigenvalue)
+        matches!(self.criterion(), Criterion::Eigenvalue { .. })
     }
 
     fn simulation(&self) -> Option<&dyn Simulation> {

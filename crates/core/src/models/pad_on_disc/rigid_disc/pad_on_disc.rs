@@ -192,7 +192,7 @@ impl PadOnDisc {
     }
 
     /// For parameters that are admissible one by one and fit together.
-    pub(super) fn of_admissible(parameters: Parameters) -> Result<Self, ParameterError> {
+    pub(in crate::models::pad_on_disc) fn of_admissible(parameters: Parameters) -> Result<Self, ParameterError> {
         let scales = Scales::new(&parameters);
         let law = &parameters.friction;
         let (f_s, f_c) = (law.static_coefficient, law.kinetic_coefficient);

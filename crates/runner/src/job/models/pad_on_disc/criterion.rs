@@ -9,7 +9,7 @@ use stickslip_core::models::pad_on_disc::flexible_disc::brake::FlexibleBrake;
 use stickslip_core::models::pad_on_disc::flexible_disc::error::FlexibleError;
 use stickslip_core::models::pad_on_disc::flexible_disc::mode_count::ModeStudy;
 use stickslip_core::models::pad_on_disc::flexible_disc::plate_modes::MOST_DISC_MODES;
-use stickslip_core::models::pad_on_disc::model::{Criterion, PRELOAD, STATIC_FRICTION};
+use stickslip_core::models::pad_on_disc::model::{Criterion, LinearRecord, PRELOAD, STATIC_FRICTION};
 use stickslip_core::models::pad_on_disc::motion::start::Start;
 use stickslip_core::models::pad_on_disc::parameters::Parameters;
 use stickslip_core::models::pad_on_disc::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
@@ -21,6 +21,7 @@ use super::criterion_spec::{CriterionKind, CriterionSpec, DiscKind, ModesSpec, R
 use super::plausibility;
 use super::start::StartSpecs;
 use crate::job::diagnosis::{Complaint, Complaints};
+use crate::job::models::record_spec::{self, linear_record};
 
 /// Standard deviations by which the static friction coefficient is taken to scatter.
 const REACH: f64 = 6.0;
@@ -64,7 +65,7 @@ pub fn validate(
             Ok(modes) => modes,
             Err(error) => {
                 // A disc without modes or equilibrium is refused with any number, and for that reason.
-                let with_any = criterion_of(kind, disc, DISC_MODES, settings);
+                let with_any = criterion_of(kind, disc, DISC_MODES, settings, spec.linear_record());
                 let complaint = check_model(&with_any, specs, parameters, grid).err().unwrap_or_else(|| {
                     let span = spec.disc_modes.as_ref().map(Spanned::span);
                     let message = format!(
@@ -77,18 +78,24 @@ pub fn validate(
             }
         },
     };
-    let criterion = criterion_of(kind, disc, modes, settings);
+    let criterion = criterion_of(kind, disc, modes, settings, spec.linear_record());
     complaints.take(check_model(&criterion, specs, parameters, grid)).map(|()| criterion)
 }
 
-fn criterion_of(kind: CriterionKind, disc: DiscKind, modes: usize, settings: TimeDomainSettings) -> Criterion {
+fn criterion_of(
+    kind: CriterionKind,
+    disc: DiscKind,
+    modes: usize,
+    settings: TimeDomainSettings,
+    record: LinearRecord,
+) -> Criterion {
     let disc = match disc {
         DiscKind::Rigid => DiscModel::Rigid,
         DiscKind::Flexible => DiscModel::Flexible { modes },
     };
     match kind {
-        CriterionKind::Eigenvalue => Criterion::Eigenvalue,
-        CriterionKind::CoupledEigenvalue => Criterion::CoupledEigenvalue { modes },
+        CriterionKind::Eigenvalue => Criterion::Eigenvalue { record },
+        CriterionKind::CoupledEigenvalue => Criterion::CoupledEigenvalue { modes, record },
         CriterionKind::TimeDomain => Criterion::TimeDomain { disc, settings },
     }
 }
@@ -100,7 +107,7 @@ fn check_model(
     parameters: &Parameters,
     grid: &Grid,
 ) -> Result<(), Complaint> {
-    if matches!(criterion, Criterion::Eigenvalue) {
+    if matches!(criterion, Criterion::Eigenvalue { .. }) {
         return Ok(());
     }
     let modes = criterion.modes();
@@ -270,7 +277,6 @@ impl CriterionSpec {
             ("displacement", self.displacement.as_ref().map(Spanned::span), in_time),
             ("horizon", self.horizon.as_ref().map(Spanned::span), in_time),
             ("index", self.index.as_ref().map(Spanned::span), in_time),
-            ("record", self.record.as_ref().map(Spanned::span), in_time),
         ];
         for (key, span, allowed) in keys {
             let (Some(span), false) = (span, allowed) else { continue };
@@ -283,6 +289,15 @@ impl CriterionSpec {
             };
             complaints.push(Complaint::at(span, message));
         }
+        if let Some(record) = &self.record {
+            let checked = record_spec::check(record.get_ref(), kind.recorded(), &kind);
+            complaints.take(checked.map_err(|message| Complaint::at(record.span(), message)));
+        }
+    }
+
+    /// What is recorded of samples that are decided by linear stability.
+    fn linear_record(&self) -> LinearRecord {
+        self.record.as_ref().map_or_else(LinearRecord::default, |record| linear_record(record.get_ref()))
     }
 
     /// The settings of the simulation in time; each value that is refused is complained about.

@@ -7,10 +7,12 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{Unexpected, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use stickslip_core::models::pad_on_disc::flexible_disc::plate_modes::MOST_DISC_MODES;
+use stickslip_core::models::pad_on_disc::model::LinearResult;
 use stickslip_core::models::pad_on_disc::motion::start::{GivenStart, StartUnits};
 use toml::Spanned;
 
 use crate::job::model::OutsidePhysics;
+use crate::job::models::record_spec::RecordedName;
 use crate::job::models::start_spec::{StartNumbers, StartSpec};
 
 /// The criterion of stability. All keys but `kind` belong to the simulation in time, `disc_modes` also to the coupled
@@ -46,8 +48,7 @@ pub struct CriterionSpec {
     /// What happens to samples outside the model, with preload at or below 0 or f_s < f_c.
     #[schemars(with = "Option<OutsidePhysics>", extend("default" = "stable"))]
     pub outside_physics: Option<Spanned<OutsidePhysics>>,
-    /// What else is written for each cell: `["amplitude"]` adds mean and quantiles of the settled amplitude as further
-    /// columns. With `kind = "time-domain"`.
+    /// What else is written for each cell: mean and quantiles of these results of its samples, as further columns.
     #[schemars(with = "Option<Vec<Record>>", extend("default" = []))]
     pub record: Option<Spanned<Vec<Record>>>,
 }
@@ -196,10 +197,42 @@ pub struct IndexSpec {
     pub amplitude: f64,
 }
 
-/// What a run can record beside its counts.
+/// What a run can record of its samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
+#[serde(rename_all = "snake_case")]
 pub enum Record {
-    /// Settled amplitude of the unstable samples.
+    /// Settled amplitude of the unstable samples, half peak to peak of x over the disc's thickness. With `kind =
+    /// "time-domain"`.
     Amplitude,
+    /// Largest real part of the eigenvalues, 1/s. With `kind = "eigenvalue"` or `"coupled-eigenvalue"`.
+    GrowthRate,
+    /// Highest rotating speed at which steady sliding is unstable, rad/s; 0 where it is stable at every speed. With `kind
+    /// = "eigenvalue"`.
+    CriticalSpeed,
+    /// Preload above which steady sliding is unstable. With `kind = "eigenvalue"`.
+    CriticalPreload,
+}
+
+impl RecordedName for Record {
+    const ALL: &'static [Self] = &[Self::Amplitude, Self::GrowthRate, Self::CriticalSpeed, Self::CriticalPreload];
+
+    fn linear(self) -> Option<LinearResult> {
+        match self {
+            Self::Amplitude => None,
+            Self::GrowthRate => Some(LinearResult::GrowthRate),
+            Self::CriticalSpeed => Some(LinearResult::CriticalSpeed),
+            Self::CriticalPreload => Some(LinearResult::CriticalPreload),
+        }
+    }
+}
+
+impl CriterionKind {
+    /// What can be recorded of samples that are decided so.
+    pub fn recorded(self) -> &'static [Record] {
+        match self {
+            Self::Eigenvalue => &[Record::GrowthRate, Record::CriticalSpeed, Record::CriticalPreload],
+            Self::CoupledEigenvalue => &[Record::GrowthRate],
+            Self::TimeDomain => &[Record::Amplitude],
+        }
+    }
 }

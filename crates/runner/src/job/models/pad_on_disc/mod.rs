@@ -7,7 +7,9 @@ use std::sync::Arc;
 use stickslip_core::model::Model;
 use stickslip_core::model::quantity::Quantity;
 use stickslip_core::models::pad_on_disc::criterion::validity::{self, Uncovered};
-use stickslip_core::models::pad_on_disc::model::{Criterion, PRELOAD, PadModel, STATIC_FRICTION, quantities};
+use stickslip_core::models::pad_on_disc::model::{
+    Criterion, LinearRecord, PRELOAD, PadModel, STATIC_FRICTION, quantities,
+};
 use stickslip_core::models::pad_on_disc::motion::start::GivenStart;
 use stickslip_core::models::pad_on_disc::parameters::{EFFECTIVE_RADIUS_KEY, Parameters};
 use stickslip_core::models::pad_on_disc::rigid_disc::pad_on_disc::PadOnDisc;
@@ -155,7 +157,7 @@ impl Draft for PadDraft {
     }
 
     fn expected(&self) -> Vec<f64> {
-        PadModel::new(self.defaults(), Criterion::Eigenvalue).expected()
+        PadModel::new(self.defaults(), Criterion::Eigenvalue { record: LinearRecord::default() }).expected()
     }
 
     fn converted(

@@ -12,6 +12,7 @@ use super::friction::{FrictionSpec, LawSpec};
 use super::overrides::Overrides;
 use super::tables::ModelSpec;
 use crate::job::model::{Tables, table_of, written};
+use crate::job::models::record_spec::names_of;
 
 /// The tables of a job, without values that are axes.
 pub fn tables(pad: &PadModel, grid: &Grid) -> Tables {
@@ -54,9 +55,13 @@ impl From<&Criterion> for CriterionSpec {
         let of_kind = |kind: CriterionKind| Self { kind: Some(written(kind)), ..Self::default() };
         let given = |modes: usize| Some(written(ModesSpec::Given(modes)));
         match criterion {
-            Criterion::Eigenvalue => of_kind(CriterionKind::Eigenvalue),
-            Criterion::CoupledEigenvalue { modes } => {
-                Self { disc_modes: given(*modes), ..of_kind(CriterionKind::CoupledEigenvalue) }
+            Criterion::Eigenvalue { record } => Self {
+                record: (!record.is_empty()).then(|| written(names_of(*record))),
+                ..of_kind(CriterionKind::Eigenvalue)
+            },
+            Criterion::CoupledEigenvalue { modes, record } => {
+                let record = (!record.is_empty()).then(|| written(names_of(*record)));
+                Self { disc_modes: given(*modes), record, ..of_kind(CriterionKind::CoupledEigenvalue) }
             }
             Criterion::TimeDomain { disc, settings } => {
                 let (disc, disc_modes) = match disc {
