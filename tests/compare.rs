@@ -4,14 +4,12 @@
 
 mod common;
 
-use std::fs::{self, File};
+use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-use arrow::array::StringArray;
 use common::{Place, Table, change_piece};
-use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use serde_json::Value;
 
 /// A job over 3 by 3 cells with further lines for `[criterion]` and `[sampling]`.
@@ -43,14 +41,7 @@ fn sum(table: &Table, name: &str) -> f64 {
 
 /// The texts of a column.
 fn texts(place: &Place, file: &str, name: &str) -> Vec<String> {
-    let builder = ParquetRecordBatchReaderBuilder::try_new(File::open(place.path(file)).unwrap()).unwrap();
-    let mut texts = Vec::new();
-    for batch in builder.build().unwrap() {
-        let batch = batch.unwrap();
-        let column = batch.column_by_name(name).unwrap().as_any().downcast_ref::<StringArray>().unwrap().clone();
-        texts.extend(column.iter().map(|text| text.unwrap().to_owned()));
-    }
-    texts
+    common::texts(&place.path(file), name).into_iter().flatten().collect()
 }
 
 #[test]

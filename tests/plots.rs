@@ -476,3 +476,136 @@ fn a_plot_shows_chosen_values_a_target_and_a_title() {
         place.run(&format!("plot {options}")).refused(64, &[why]);
     }
 }
+
+/// A job whose inputs are correlated and leave the model, and which records results.
+const SEEN: &str = r#"
+name = "seen"
+[axes]
+preload = 0.1
+static_friction = { from = 0.3, to = 0.45, points = 4 }
+rotating_speed = 15.0
+[random]
+inputs = ["preload", "static_friction", "pad.mass"]
+relative_std = { preload = 0.3, static_friction = 0.15, "pad.mass" = 0.05 }
+distribution = { static_friction = "lognormal", "pad.mass" = "uniform" }
+correlation = [["preload", "static_friction", 0.6]]
+[criterion]
+kind = "eigenvalue"
+record = ["critical_speed"]
+[sampling]
+samples = 20_000
+seed = 1
+"#;
+
+#[test]
+fn the_inputs_and_samples_of_a_job_are_seen_before_it_is_run() {
+    let place = Place::new();
+    place.write("seen.toml", SEEN);
+    let read = |file: &str| fs::read_to_string(place.path(file)).unwrap();
+    assert_eq!(place.run("plot seen.toml").done().stdout, "seen-inputs.svg\nseen-inputs.png\n");
+    let inputs = read("seen-inputs.svg");
+    for text in [
+        ">normal, relative std 0.3<",
+        ">lognormal, relative std 0.15<",
+        ">uniform, relative std 0.05<",
+        ">correlation 0.6<",
+        "Mass of the pad M (kg)",
+        ">outside the model<",
+        "of them lie outside the model: preload at or below 0, or f_s &lt; f_c",
+    ] {
+        assert!(inputs.contains(text), "{text}");
+    }
+    // The points of a scatter are the samples that the run has: as many of each verdict.
+    place.run("plot seen.toml --of samples --cell 2 --samples 500 --out before.svg").done();
+    place.run("submit seen.toml --out run").done();
+    place.run("plot run --of samples --cell 2 --samples 500 --out after.svg").done();
+    assert!(read("before.svg") == read("after.svg"));
+    place.run("samples run --cell 2 --out samples.parquet").done();
+    let outside = common::Table::read(&place.path("samples.parquet")).column("outside_physics")[..500].to_vec();
+    let outside = outside.iter().filter(|is_outside| **is_outside == 1.0).count();
+    let legend = |svg: &str, name: &str| -> usize {
+        let after = svg.split(&format!(">{name} (")).nth(1).unwrap_or("0)");
+        after.split(')').next().unwrap().parse().unwrap()
+    };
+    let svg = read("before.svg");
+    let counts = ["stable", "unstable", "outside the model, preload at or below 0, or f_s &lt; f_c"];
+    let counts = counts.map(|name| legend(&svg, name));
+    assert_eq!((counts.iter().sum::<usize>(), counts[2]), (500, outside));
+    assert_eq!(svg.matches("<circle").count(), 500);
+    // Recorded results are values of samples, too.
+    place
+        .run("plot seen.toml --of samples --x critical_speed --y static_friction --samples 100 --out speed.svg")
+        .done();
+    assert!(read("speed.svg").contains("Critical speed (rad/s)"));
+    place
+        .run("plot seen.toml --of samples --x critical_sped")
+        .refused(64, &["--x critical_sped", "did you mean critical_speed?", "preload, static_friction, pad.mass"]);
+}
+
+#[test]
+fn an_estimate_converges_to_that_of_the_run() {
+    let place = Place::new();
+    let jobs = [
+        ("random", SEEN.to_owned()),
+        ("sobol", SEEN.replace("samples = 20_000", "method = \"sobol\"\nsamples = 20_000")),
+        (
+            "conditional",
+            SEEN.replace("samples = 20_000", "method = \"conditional\"\nsamples = 20_000")
+                .replace("record", "# record"),
+        ),
+        (
+            "importance",
+            SEEN.replace("samples = 20_000", "method = \"importance\"\nsamples = 20_000").replace("record", "# record"),
+        ),
+        (
+            "subset",
+            SEEN.replace("samples = 20_000", "method = \"subset\"\nparticles = 500").replace("record", "# record"),
+        ),
+        ("until", SEEN.replace("samples = 20_000", "until = { relative = 0.05, at_most = 20_000 }")),
+    ];
+    for (name, job) in jobs {
+        let surface = submitted(&place, name, &job);
+        place.run(&format!("plot {name} --of convergence --cell 1 --out {name}.svg")).done();
+        let svg = fs::read_to_string(place.path(&format!("{name}.svg"))).unwrap();
+        let last = svg.split(">last: P = ").nth(1).unwrap().split(' ').next().unwrap();
+        let (last, found): (f64, f64) = (last.parse().unwrap(), surface.column("p_unstable")[1]);
+        // A run that stops early has fewer samples.
+        let tolerance = if name == "until" { 0.02 } else { 6e-6 };
+        assert!((last - found).abs() <= tolerance * found, "{name}: {last} {found}");
+    }
+    let exact = SEEN.replace("samples = 20_000\nseed = 1", "method = \"exact\"").replace(", \"pad.mass\"]", "]");
+    let exact = exact
+        .replace("record", "# record")
+        .replace(", \"pad.mass\" = 0.05", "")
+        .replace(", \"pad.mass\" = \"uniform\"", "");
+    place.write("exact.toml", &exact);
+    place.run("plot exact.toml --of convergence").refused(64, &["draws no samples"]);
+}
+
+#[test]
+fn recorded_results_are_drawn_over_an_axis_and_in_a_cell() {
+    let place = Place::new();
+    let surface = submitted(&place, "seen", SEEN);
+    let printed = place.run("plot seen --of distribution").done().stdout;
+    assert_eq!(printed, "seen/distribution-critical_speed.svg\nseen/distribution-critical_speed.png\n");
+    let svg = fs::read_to_string(place.path("seen/distribution-critical_speed.svg")).unwrap();
+    assert!(svg.contains("Critical speed (rad/s)") && svg.contains("bands: from the 5 % to the 95 % quantile"));
+    place.run("plot seen --of distribution --cell 3 --out cell.svg").done();
+    let svg = fs::read_to_string(place.path("cell.svg")).unwrap();
+    for (kind, name) in [("p05", "5 %: "), ("p50", "50 %: "), ("p95", "95 %: ")] {
+        let shown: f64 = svg.split(&format!(">{name}")).nth(1).unwrap().split('<').next().unwrap().parse().unwrap();
+        let quantile = surface.column(&format!("critical_speed_{kind}"))[3];
+        assert!((shown / quantile - 1.0).abs() < 5e-4, "{kind}: {shown} {quantile}");
+    }
+    place.run("report seen").done();
+    let report = fs::read_to_string(place.path("seen/report.html")).unwrap();
+    assert!(report.contains("id=\"inputs-heading\"") && report.contains("id=\"distributions-heading\""));
+    place
+        .run("plot seen --of distribution --result growth_rate")
+        .refused(64, &["does not record it", "critical_speed"]);
+    place.write("seen.toml", SEEN);
+    place.run("plot seen.toml --of distribution").refused(64, &["submit the job"]);
+    submitted(&place, "plain", &SEEN.replace("record", "# record"));
+    place.run("plot plain --of distribution").refused(65, &["records nothing", "criterion.record"]);
+    place.run("plot plain --of sobol --samples 5").refused(64, &["--samples is for"]);
+}

@@ -7,7 +7,7 @@ mod common;
 
 use std::f64::consts::TAU;
 
-use common::{Place, Table, submitted};
+use common::{Place, Table, submitted, texts};
 
 const NAMES: [&str; 3] = ["damping_ratio", "growth_rate", "frequency"];
 
@@ -308,5 +308,154 @@ fn a_report_has_indices_and_modes_of_matrices() {
     let page = std::fs::read_to_string(place.path("oscillator/report.html")).unwrap();
     for part in ["id=\"modes\"", "id=\"squeal-frequencies\"", "\"of\":\"damping ratio\"", "\"of\":\"frequency\""] {
         assert!(page.contains(part), "{part}");
+    }
+}
+
+/// Brakes far from the preset, each with the keys of its friction law, and whether every speed below the critical one is
+/// unstable.
+const BRAKES: [(&str, bool); 5] = [
+    ("", true),
+    ("[model.friction]\nstribeck_exponent = 0.6\n", true),
+    // With an exponent above 1 very slow sliding is stable again.
+    ("[model.friction]\nstribeck_exponent = 2.5\nstribeck_velocity = 0.9\n", false),
+    ("[model.friction]\nlaw = \"rational\"\n", true),
+    ("[model.friction]\nviscous = 0.004\n[model.damping]\ntangential = 40.0\n", true),
+];
+
+#[test]
+fn growth_rates_critical_speeds_and_critical_preloads_agree_with_every_verdict() {
+    let place = Place::new();
+    let (mut unstable, mut never, mut seen) = (0, 0, 0);
+    for (number, (friction, is_unstable_below)) in BRAKES.into_iter().enumerate() {
+        let job = format!(
+            "name = \"brake\"\n{friction}[axes]\npreload = [0.01, 0.1, 0.6]\nstatic_friction = [0.26, 0.45]\n\
+             rotating_speed = [0.3, 6.0, 15.0]\n[random]\ninputs = [\"preload\", \"static_friction\", \
+             \"damping.tangential\", \"pad.mass\", \"stiffness.contact_normal\"]\nrelative_std = 0.35\n\
+             [criterion]\nkind = \"eigenvalue\"\nrecord = [\"critical_preload\", \"growth_rate\", \"critical_speed\"]\n\
+             [sampling]\nsamples = 300\nseed = {number}\n"
+        );
+        let run = format!("b{number}");
+        let surface = submitted(&place, &run, &job);
+        for (cell, speed) in surface.column("rotating_speed_rad_s").iter().enumerate() {
+            place.run(&format!("samples {run} --cell {cell} --out samples.parquet")).done();
+            let samples = Table::read(&place.path("samples.parquet"));
+            let [rates, speeds, preloads, drawn, outside] =
+                ["growth_rate", "critical_speed", "critical_preload", "preload", "outside_physics"]
+                    .map(|name| samples.column(name).to_vec());
+            for (sample, verdict) in texts(&place.path("samples.parquet"), "verdict").into_iter().flatten().enumerate()
+            {
+                if outside[sample] == 1.0 || verdict == "failed" {
+                    assert!(rates[sample].is_nan() && speeds[sample].is_nan(), "{run} {cell} {sample}");
+                    continue;
+                }
+                let is_unstable = verdict == "unstable";
+                seen += 1;
+                unstable += usize::from(is_unstable);
+                never += usize::from(speeds[sample] == 0.0);
+                let all = (rates[sample], speeds[sample], preloads[sample]);
+                assert_eq!(rates[sample] > 0.0, is_unstable, "{run} {cell} {sample}: {all:?}");
+                // No number: none is large enough.
+                assert_eq!(drawn[sample] > preloads[sample], is_unstable, "{run} {cell} {sample}: {all:?}");
+                let is_below = *speed < speeds[sample];
+                assert!(is_below == is_unstable || (is_below && !is_unstable_below), "{run} {cell} {sample}: {all:?}");
+            }
+        }
+        // The run keeps the distribution of these very samples.
+        let cell = surface.column("rotating_speed_rad_s").len() - 1;
+        let samples = Table::read(&place.path("samples.parquet"));
+        for name in ["growth_rate", "critical_speed", "critical_preload"] {
+            let mut values: Vec<f64> = samples.column(name).iter().copied().filter(|value| !value.is_nan()).collect();
+            values.sort_by(f64::total_cmp);
+            for (kind, share) in QUANTILES {
+                let expected = values[((share * values.len() as f64).ceil() as usize).max(1) - 1];
+                let found = surface.column(&format!("{name}_{kind}"))[cell];
+                assert!((found - expected).abs() <= 6e-4 * expected.abs(), "{run} {name} {kind}: {found} {expected}");
+            }
+        }
+    }
+    assert!(unstable > 3000 && seen - unstable > 3000 && never > 100, "{unstable} of {seen}, {never}");
+}
+
+#[test]
+fn the_growth_rate_with_a_flexible_disc_agrees_with_every_verdict() {
+    let place = Place::new();
+    let job = "name = \"coupled\"\n[axes]\npreload = [0.02, 0.12]\nstatic_friction = 0.39\nrotating_speed = [8.0, 15.0]\n\
+        [random]\ninputs = [\"preload\", \"static_friction\", \"pad.mass\"]\nrelative_std = 0.2\n\
+        [criterion]\nkind = \"coupled-eigenvalue\"\nrecord = [\"growth_rate\"]\n[sampling]\nsamples = 250\nseed = 2\n";
+    let surface = submitted(&place, "coupled", job);
+    let (mut unstable, mut stable) = (0, 0);
+    for cell in 0..surface.column("preload").len() {
+        place.run(&format!("samples coupled --cell {cell} --out samples.parquet")).done();
+        let samples = Table::read(&place.path("samples.parquet"));
+        let (rates, outside) = (samples.column("growth_rate"), samples.column("outside_physics"));
+        for (sample, verdict) in texts(&place.path("samples.parquet"), "verdict")
+            .into_iter()
+            .flatten()
+            .enumerate()
+            .filter(|(i, _)| outside[*i] == 0.0)
+        {
+            assert_eq!(rates[sample] > 0.0, verdict == "unstable", "{cell} {sample}: {}", rates[sample]);
+            *(if rates[sample] > 0.0 { &mut unstable } else { &mut stable }) += 1;
+        }
+    }
+    assert!(unstable > 200 && stable > 200, "{unstable} {stable}");
+}
+
+#[test]
+fn critical_speeds_and_forces_on_a_belt_have_their_closed_form() {
+    let place = Place::new();
+    let job = "name = \"belt\"\n[model]\nkind = \"belt-oscillator\"\nmass = 2.0\nstiffness = 50.0\ndamping = 0.3\n\
+        normal_force = 3.0\nbelt_speed = 0.7\n[model.friction]\nstatic_coefficient = 0.9\nkinetic_coefficient = 0.4\n\
+        stribeck_velocity = 0.5\n[random]\ninputs = [\"normal_force\", \"damping\"]\nrelative_std = 0.3\n\
+        [criterion]\nkind = \"eigenvalue\"\nrecord = [\"critical_normal_force\", \"critical_speed\", \"growth_rate\"]\n\
+        [sampling]\nsamples = 500\nseed = 4\n";
+    submitted(&place, "belt", job);
+    place.run("samples belt --cell 0 --out samples.parquet").done();
+    let samples = Table::read(&place.path("samples.parquet"));
+    let column = |name: &str| samples.column(name);
+    let [forces, dampings, speeds, critical, rates, outside] =
+        ["normal_force", "damping", "critical_speed", "critical_normal_force", "growth_rate", "outside_physics"]
+            .map(column);
+    let mut compared = 0;
+    for sample in (0..forces.len()).filter(|&sample| outside[sample] == 0.0 && dampings[sample] > 0.0) {
+        // -N mu'(V) = N (f_s - f_c) / v_s exp(-V / v_s) = c where steady sliding loses its stability.
+        let (force, damping) = (forces[sample], dampings[sample]);
+        let speed = (0.5 * (force * 0.5 / (0.5 * damping)).ln()).max(0.0);
+        let needed = damping * 0.5 * (0.7_f64 / 0.5).exp() / 0.5;
+        let rate = 0.5 * (force * 0.5 / 0.5 * (-0.7_f64 / 0.5).exp() - damping) / 2.0;
+        for (found, expected) in [(speeds[sample], speed), (critical[sample], needed), (rates[sample], rate)] {
+            assert!((found - expected).abs() <= 1e-12 * expected.abs().max(1.0), "{sample}: {found} {expected}");
+        }
+        compared += 1;
+    }
+    assert!(compared > 450, "{compared}");
+}
+
+#[test]
+fn results_that_a_criterion_does_not_have_are_refused() {
+    let place = Place::new();
+    let job = |criterion: &str| {
+        format!(
+            "name = \"x\"\n[axes]\npreload = 0.1\nstatic_friction = 0.39\nrotating_speed = 15.0\n[random]\n\
+             inputs = [\"preload\"]\nrelative_std = 0.1\n[criterion]\n{criterion}\n[sampling]\nsamples = 10\n"
+        )
+    };
+    for (criterion, texts) in [
+        (
+            "kind = \"eigenvalue\"\nrecord = [\"amplitude\"]",
+            ["\"amplitude\" is no result of kind = \"eigenvalue\"", "critical_speed"],
+        ),
+        (
+            "kind = \"coupled-eigenvalue\"\nrecord = [\"growth_rate\", \"critical_speed\"]",
+            ["\"critical_speed\" is no result", "there is \"growth_rate\""],
+        ),
+        (
+            "kind = \"time-domain\"\ndisc = \"rigid\"\nrecord = [\"growth_rate\"]",
+            ["\"growth_rate\" is no result", "there is \"amplitude\""],
+        ),
+        ("kind = \"eigenvalue\"\nrecord = [\"critical_sped\"]", ["critical_sped", "did you mean `critical_speed`?"]),
+    ] {
+        place.write("job.toml", &job(criterion));
+        place.run("check job.toml").refused(65, &texts);
     }
 }

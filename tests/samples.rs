@@ -5,23 +5,10 @@
 mod common;
 
 use std::fs::{self, File};
-use std::path::Path;
 
-use arrow::array::{Array as _, StringArray};
-use common::{BOTH, EIGENVALUE, Place, Table, job, submitted};
+use common::{BOTH, EIGENVALUE, Place, Table, job, submitted, texts};
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use serde_json::Value;
-
-/// The texts of a column of a Parquet file.
-fn texts(path: &Path, name: &str) -> Vec<Option<String>> {
-    let mut all = Vec::new();
-    for batch in ParquetRecordBatchReaderBuilder::try_new(File::open(path).unwrap()).unwrap().build().unwrap() {
-        let batch = batch.unwrap();
-        let column = batch.column_by_name(name).unwrap().as_any().downcast_ref::<StringArray>().unwrap();
-        all.extend((0..column.len()).map(|i| column.is_valid(i).then(|| column.value(i).to_owned())));
-    }
-    all
-}
 
 /// Asserts that the samples of a cell have the counts of its row in the surface, and returns their verdicts.
 #[track_caller]

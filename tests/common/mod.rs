@@ -13,7 +13,7 @@ use std::process::{Command, Stdio};
 use std::thread;
 use std::time::Duration;
 
-use arrow::array::{Array as _, Float64Array, Int64Array};
+use arrow::array::{Array as _, Float64Array, Int64Array, StringArray};
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use serde_json::Value;
 use tempfile::TempDir;
@@ -254,6 +254,17 @@ pub struct Table {
     columns: Vec<Vec<f64>>,
     /// The key-value pairs of the footer that are stickslip's.
     pub footer: Vec<(String, String)>,
+}
+
+/// The texts of a column of a Parquet file.
+pub fn texts(path: &Path, name: &str) -> Vec<Option<String>> {
+    let mut all = Vec::new();
+    for batch in ParquetRecordBatchReaderBuilder::try_new(File::open(path).unwrap()).unwrap().build().unwrap() {
+        let batch = batch.unwrap();
+        let column = batch.column_by_name(name).unwrap().as_any().downcast_ref::<StringArray>().unwrap();
+        all.extend(column.iter().map(|text| text.map(str::to_owned)));
+    }
+    all
 }
 
 impl Table {

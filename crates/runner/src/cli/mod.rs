@@ -272,19 +272,31 @@ pub struct CompareArguments {
 /// Arguments of `plot`.
 #[derive(Debug, Args)]
 pub struct PlotArguments {
-    /// The run directory, a job with --of modes and squeal-frequencies, or a time series that trajectory or replay wrote
+    /// The run directory, a job to see its random inputs or with --of its samples and modes, or a time series that
+    /// trajectory or replay wrote
     #[arg(value_name = "RUN_DIR|JOB.toml|FILE.parquet")]
     pub run: PathBuf,
     /// What of the run to draw
     #[arg(long, value_name = "QUANTITY", value_enum, default_value_t = PlotQuantity::Probability)]
     pub of: PlotQuantity,
-    /// The cell to draw, with --of sobol [default: all of few cells, else the one whose probability is nearest 0.5],
-    /// modes and squeal-frequencies [default: the middle of the axes]
+    /// The cell to draw: with --of sobol [default: all of few cells, else the one whose probability is nearest 0.5], with
+    /// what is drawn of one cell [default: the middle of the axes]
     #[arg(long, value_name = "N")]
     pub cell: Option<u64>,
-    /// With --of sobol: the recorded result whose variance is shared out, for example damping_ratio [default: the verdict]
+    /// The recorded result: with --of sobol the one whose variance is shared out [default: the verdict], with --of
+    /// distribution the one that is drawn [default: the first]
     #[arg(long, value_name = "NAME")]
     pub result: Option<String>,
+    /// With --of samples: the random input or recorded result that runs across [default: the first input]
+    #[arg(long, value_name = "NAME")]
+    pub x: Option<String>,
+    /// With --of samples: the one that runs up [default: the second input]
+    #[arg(long, value_name = "NAME")]
+    pub y: Option<String>,
+    /// With --of samples and convergence: how many samples to draw [default: 2000, 200 of models that take long; with
+    /// convergence those of the job]
+    #[arg(long, value_name = "N", value_parser = whole_number)]
+    pub samples: Option<u64>,
     /// With --of modes: the parameter over which to draw them [default: the longest axis of the job, else that of friction]
     #[arg(long, value_name = "NAME")]
     pub along: Option<String>,
@@ -323,6 +335,14 @@ pub enum PlotQuantity {
     Modes,
     /// The frequencies of unstable samples of a cell, of a model given by matrices: which modes make the probability
     SquealFrequencies,
+    /// The distributions of the random inputs of a cell, and where they leave the model; needs no run
+    Inputs,
+    /// Stable and unstable samples of a cell over two of their inputs or recorded results; needs no run
+    Samples,
+    /// The probability of a cell over the number of its samples; needs no run
+    Convergence,
+    /// The distribution of a recorded result: its quantiles over an axis, or of one cell
+    Distribution,
 }
 
 /// Arguments of `report`.

@@ -53,6 +53,8 @@ mod trajectory;
 
 mod replay;
 
+mod drawn_samples;
+
 mod samples;
 
 mod compare;
@@ -63,6 +65,8 @@ mod fit_picture;
 mod fitted_job;
 
 mod fit;
+
+mod cell;
 
 mod plot;
 

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use indicatif::HumanCount;
 
+use super::cell;
 use super::compare::{CONFIDENCE, Row, Run, differences_of, interval_name};
 use super::modes::{lines, squeal};
 use super::one_brake::cell_of;
@@ -32,7 +33,9 @@ use crate::tables::finished::FinishedSurface;
 pub fn plot(arguments: &PlotArguments, interrupt: &Interrupt) -> Result<(), Failure> {
     let width = WIDTHS[usize::from(arguments.columns.clamp(1, 2)) - 1];
     check(arguments)?;
-    let (canvas, beside) = if arguments.run.is_file() && !is_of_modes(arguments.of) {
+    let (canvas, beside) = if is_of_a_cell(arguments) {
+        cell::figure(arguments, width, interrupt)?
+    } else if arguments.run.is_file() && !is_of_modes(arguments.of) {
         (motion::figure(&arguments.run, width)?, arguments.run.clone())
     } else {
         of_run(arguments, width, interrupt)?
@@ -55,6 +58,16 @@ fn is_of_modes(of: PlotQuantity) -> bool {
     matches!(of, PlotQuantity::Modes | PlotQuantity::SquealFrequencies)
 }
 
+/// Whether a plot shows one cell of a job. Of a job alone there are its inputs to see, if nothing else is asked for.
+fn is_of_a_cell(arguments: &PlotArguments) -> bool {
+    let is_job = || arguments.run.is_file() && arguments.run.extension().is_some_and(|extension| extension == "toml");
+    match arguments.of {
+        PlotQuantity::Inputs | PlotQuantity::Samples | PlotQuantity::Convergence | PlotQuantity::Distribution => true,
+        PlotQuantity::Probability => arguments.against.is_none() && is_job(),
+        _ => false,
+    }
+}
+
 /// The figure of the modes of a job, and where it is written if no file is given, without an extension.
 fn of_modes(arguments: &PlotArguments, width: f64, interrupt: &Interrupt) -> Result<(Canvas, PathBuf), Failure> {
     let (path, threads) = (arguments.run.as_path(), arguments.threads.count());
@@ -66,20 +79,15 @@ fn of_modes(arguments: &PlotArguments, width: f64, interrupt: &Interrupt) -> Res
         let plot = squeal::frequencies(&job, &cell, squeal::SAMPLES, threads, interrupt)?;
         (plot.figure(width), "squeal-frequencies")
     };
-    let beside = if path.is_dir() {
-        path.join(name)
-    } else {
-        let job = path.file_stem().unwrap_or_default().to_string_lossy();
-        path.with_file_name(format!("{job}-{name}"))
-    };
-    Ok((canvas, beside))
+    Ok((canvas, cell::beside(path, name)))
 }
 
 /// Refuses options that do not go together.
 fn check(arguments: &PlotArguments) -> Result<(), Failure> {
     let is_probability = arguments.of == PlotQuantity::Probability;
     let is_of_modes = is_of_modes(arguments.of);
-    if arguments.run.is_file() && !is_of_modes && !(is_probability && arguments.against.is_none()) {
+    let of_a_cell = is_of_a_cell(arguments);
+    if arguments.run.is_file() && !is_of_modes && !of_a_cell && !(is_probability && arguments.against.is_none()) {
         return Err(Failure::Usage(format!(
             "{} is a file; --of and --against need a run directory. Leave them out to draw a motion",
             arguments.run.display()
@@ -88,9 +96,9 @@ fn check(arguments: &PlotArguments) -> Result<(), Failure> {
     if arguments.against.is_some() && !is_probability {
         return Err(Failure::Usage("--against draws the difference of probabilities; leave --of out".to_owned()));
     }
-    if arguments.cell.is_some() && arguments.of != PlotQuantity::Sobol && !is_of_modes {
+    if arguments.cell.is_some() && arguments.of != PlotQuantity::Sobol && !is_of_modes && !of_a_cell {
         return Err(Failure::Usage(
-            "--cell chooses the cell of --of sobol, modes and squeal-frequencies; other plots show all cells"
+            "--cell chooses the cell of --of sobol, modes, squeal-frequencies, inputs, samples, convergence and distribution; other plots show all cells"
                 .to_owned(),
         ));
     }
@@ -106,8 +114,19 @@ fn check(arguments: &PlotArguments) -> Result<(), Failure> {
             "{option} is for the probability of a run; leave it out, or --of and --against"
         )));
     }
-    if arguments.result.is_some() && arguments.of != PlotQuantity::Sobol {
-        return Err(Failure::Usage("--result chooses the result of --of sobol; leave it out".to_owned()));
+    if arguments.result.is_some() && !matches!(arguments.of, PlotQuantity::Sobol | PlotQuantity::Distribution) {
+        return Err(Failure::Usage(
+            "--result chooses the result of --of sobol and distribution; leave it out".to_owned(),
+        ));
+    }
+    let of_samples = [("--x", arguments.x.is_some()), ("--y", arguments.y.is_some())];
+    if let Some((option, _)) = of_samples.iter().find(|(_, is_given)| *is_given)
+        && arguments.of != PlotQuantity::Samples
+    {
+        return Err(Failure::Usage(format!("{option} chooses what --of samples draws; leave it out")));
+    }
+    if arguments.samples.is_some() && !matches!(arguments.of, PlotQuantity::Samples | PlotQuantity::Convergence) {
+        return Err(Failure::Usage("--samples is for --of samples and convergence; leave it out".to_owned()));
     }
     if arguments.along.is_some() && arguments.of != PlotQuantity::Modes {
         return Err(Failure::Usage("--along chooses the parameter of --of modes; leave it out".to_owned()));
@@ -161,7 +180,8 @@ fn of_run(arguments: &PlotArguments, width: f64, interrupt: &Interrupt) -> Resul
             note_panels(maps.panels());
             Ok((maps.figure(width), run.join("verdicts")))
         }
-        PlotQuantity::Modes | PlotQuantity::SquealFrequencies => of_modes(arguments, width, interrupt),
+        // What shows a cell is not drawn here.
+        _ => of_modes(arguments, width, interrupt),
     }
 }
 

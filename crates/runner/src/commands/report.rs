@@ -1,6 +1,7 @@
 //! `report`: runs as one HTML file.
 
 use crate::cli::ReportArguments;
+use crate::commands::cell;
 use crate::commands::compare::{CONFIDENCE, Differences, Run, differences_of, interval_name};
 use crate::commands::modes::{lines, squeal};
 use crate::commands::one_brake::middle;
@@ -25,7 +26,9 @@ pub fn report(arguments: &ReportArguments, interrupt: &Interrupt) -> Result<(), 
     let mut runs: Vec<ReportedRun> =
         arguments.runs.iter().map(|run| ReportedRun::read(run)).collect::<Result<_, _>>()?;
     let (directory, name) = output_file(&out)?;
-    for run in &mut runs {
+    for (run, path) in runs.iter_mut().zip(&arguments.runs) {
+        let of_cells = cell::pictures(&run.values.job, path)?;
+        run.pictures.extend(of_cells);
         let pictures = pictures_of_modes(&run.values.job, arguments.threads.count(), interrupt)?;
         run.pictures.extend(pictures);
     }

@@ -11,18 +11,16 @@ use stickslip_core::model::verdict::{Verdict, VerdictCounts};
 use stickslip_sampler::draw::identity::BLOCK_SAMPLES;
 
 use super::completion::evaluator_again;
+use super::drawn_samples::{Add, DrawnSamples, draw};
 use super::motion_report::name;
 use crate::cli::SamplesArguments;
 use crate::evaluate::evaluator::Evaluator;
-use crate::evaluate::samples::Samples;
 use crate::failure::Failure;
 use crate::files::table::{TableColumn, TableValues, write_table};
 use crate::interrupt::Interrupt;
 use crate::job::Job;
 use crate::messages::Code;
 use crate::output::{counted, output_file, quoted, result, shown};
-use crate::schedule::engine::{Engine, Outcome};
-use crate::schedule::progress::Progress;
 use crate::store::directory::RunDirectory;
 use crate::store::tally::Tally;
 use crate::tables::surface::footer;
@@ -45,7 +43,11 @@ pub fn samples(arguments: &SamplesArguments, interrupt: &Interrupt) -> Result<()
     let file =
         arguments.out.clone().unwrap_or_else(|| arguments.run.join(format!("samples-{}.parquet", arguments.cell)));
     let (out, file_name) = output_file(&file)?;
-    let drawn = draw(&evaluator, &tally, arguments, interrupt)?;
+    let units = units_of(&evaluator, &tally, arguments.cell);
+    let of_unit = |(part, samples): &(u64, Range<u64>), is_stopped: IsStopped<'_>, add: Add<'_>| {
+        evaluator.each_decided(*part, samples.clone(), is_stopped, add);
+    };
+    let drawn = draw(&units, counts.total(), arguments.threads.count(), interrupt, of_unit)?;
     if drawn.counts() != counts {
         let [again, before] = [drawn.counts(), counts].map(|counts| in_words(&counts));
         return Err(Failure::InputOutput(format!(
@@ -56,7 +58,7 @@ pub fn samples(arguments: &SamplesArguments, interrupt: &Interrupt) -> Result<()
     }
     let mut pairs = footer(&job);
     pairs.push(("stickslip:cell", arguments.cell.to_string()));
-    write_table(&out, &file_name, &drawn.columns(&job), &pairs)?;
+    write_table(&out, &file_name, &columns(drawn, &job), &pairs)?;
     let total = counted(counts.total().into(), "sample", "samples");
     result(&format!("{}: {total} of cell {}, {}\n", shown(&file), arguments.cell, in_words(&counts)))
 }
@@ -99,122 +101,57 @@ fn finished_counts(
     Ok(counts)
 }
 
-/// Consecutive samples, in columns.
-#[derive(Default)]
-struct DrawnSamples {
-    /// The values of each random input, in the job's order.
-    values: Vec<Vec<f64>>,
-    decisions: Vec<Decision>,
-    are_outside: Vec<bool>,
-}
-
-/// Draws and decides all samples of the cell.
-fn draw(
-    evaluator: &Evaluator<'_>,
-    tally: &Tally,
-    arguments: &SamplesArguments,
-    interrupt: &Interrupt,
-) -> Result<DrawnSamples, Failure> {
+/// The samples of a cell in units of work, each with its part.
+fn units_of(evaluator: &Evaluator<'_>, tally: &Tally, cell: u64) -> Vec<(u64, Range<u64>)> {
     let length = evaluator.job().unit_samples().min(MOST_UNIT_SAMPLES);
-    let units: Vec<(u64, Range<u64>)> = evaluator
-        .parts()
-        .in_cell(arguments.cell)
-        .flat_map(|part| {
-            let end = tally.counts(part).total();
-            (0..end).step_by(length as usize).map(move |start| (part, start..end.min(start + length)))
-        })
-        .collect();
-    let mut drawn: Vec<DrawnSamples> = Vec::new();
-    drawn.resize_with(units.len(), DrawnSamples::default);
-    let mut progress = Progress::new(evaluator.parts().counts(tally, arguments.cell).total().into(), "samples");
-    let evaluate = |index: u64, is_stopped: IsStopped<'_>| {
-        let (part, samples) = units[index as usize].clone();
-        let mut unit = DrawnSamples::default();
-        evaluator
-            .each_decided(part, samples, is_stopped, |chunk, decisions, outside| unit.add(chunk, decisions, outside));
-        (index as usize, unit)
+    let of_part = |part: u64| {
+        let end = tally.counts(part).total();
+        (0..end).step_by(length as usize).map(move |start| (part, start..end.min(start + length)))
     };
-    let engine = Engine::new(arguments.threads.count())?;
-    let outcome = engine.for_each_in_parallel(units.len() as u64, interrupt, evaluate, |(index, unit)| {
-        progress.advance(unit.decisions.len() as u64);
-        progress.tick();
-        drawn[index] = unit;
-    })?;
-    progress.finish();
-    match outcome {
-        Outcome::Finished => Ok(drawn.into_iter().fold(DrawnSamples::default(), DrawnSamples::followed_by)),
-        Outcome::Stopped(signal) => Err(Failure::stopped(signal, &"nothing was written".into())),
-    }
+    evaluator.parts().in_cell(cell).flat_map(of_part).collect()
 }
 
-impl DrawnSamples {
-    /// Adds the samples of a chunk.
-    fn add(&mut self, chunk: &Samples, decisions: &[Decision], outside: Option<Vec<bool>>) {
-        self.values.resize(chunk.values(0).count(), Vec::new());
-        for sample in 0..decisions.len() {
-            self.values.iter_mut().zip(chunk.values(sample)).for_each(|(column, value)| column.push(value));
-        }
-        self.decisions.extend_from_slice(decisions);
-        self.are_outside.extend(outside.unwrap_or_else(|| vec![false; decisions.len()]));
+/// One row for each sample.
+fn columns(drawn: DrawnSamples, job: &Job) -> Vec<TableColumn> {
+    let DrawnSamples { values, decisions, are_outside } = drawn;
+    let column = |name: &'static str, unit: &'static str, long_name: &str, values| TableColumn {
+        name: name.into(),
+        unit: unit.into(),
+        long_name: long_name.to_owned().into(),
+        values,
+    };
+    let numbers = TableValues::Integer((0..decisions.len() as u64).collect());
+    let mut columns =
+        vec![column("sample", "1", "0-based number of the sample in its cell, as replay takes it", numbers)];
+    for (&input, values) in job.random.inputs.iter().zip(values) {
+        let quantity = job.quantity(input);
+        columns.push(TableColumn {
+            name: quantity.column.clone(),
+            unit: quantity.unit.clone(),
+            long_name: format!("{}, as drawn", quantity.description).into(),
+            values: TableValues::Real(values.into_iter().map(Some).collect()),
+        });
     }
-
-    /// These and those after them.
-    fn followed_by(mut self, next: Self) -> Self {
-        self.values.resize(next.values.len(), Vec::new());
-        for (values, further) in self.values.iter_mut().zip(next.values) {
-            values.extend(further);
-        }
-        self.decisions.extend(next.decisions);
-        self.are_outside.extend(next.are_outside);
-        self
+    let verdicts = decisions.iter().map(|decision| Some(name(decision.verdict))).collect();
+    let meaning = "verdict that the run counts: stable, unstable, undecided or failed";
+    columns.push(column("verdict", "1", meaning, TableValues::Word(verdicts)));
+    let outside = TableValues::Integer(are_outside.into_iter().map(u64::from).collect());
+    let meaning = format!(
+        "1 for a sample outside the model ({}), decided as criterion.outside_physics specifies, otherwise 0",
+        job.model().outside_meaning()
+    );
+    columns.push(column("outside_physics", "1", &meaning, outside));
+    let sources = job.model().sources();
+    if let Some((last, others)) = sources.split_last() {
+        let name = |decision: &Decision| decision.fed_by.map(|source| sources[source].name);
+        let others: Vec<&str> = others.iter().map(|source| source.name).collect();
+        let meaning = format!("what feeds an unstable sample: {} or {}", others.join(", "), last.name);
+        columns.push(column("fed_by", "1", &meaning, TableValues::Word(decisions.iter().map(name).collect())));
     }
-
-    fn counts(&self) -> VerdictCounts {
-        self.decisions.iter().fold(VerdictCounts::default(), |counts, decision| counts + decision.verdict.into())
+    for (place, result) in job.model().recorded().iter().enumerate() {
+        let meaning = format!("{} of {}, {}", result.noun, result.of.nouns()[0], result.meaning);
+        let values = decisions.iter().map(|decision| decision.recorded[place]).collect();
+        columns.push(column(result.name, result.unit, &meaning, TableValues::Real(values)));
     }
-
-    /// One row for each sample.
-    fn columns(self, job: &Job) -> Vec<TableColumn> {
-        let Self { values, decisions, are_outside } = self;
-        let column = |name: &'static str, unit: &'static str, long_name: &str, values| TableColumn {
-            name: name.into(),
-            unit: unit.into(),
-            long_name: long_name.to_owned().into(),
-            values,
-        };
-        let numbers = TableValues::Integer((0..decisions.len() as u64).collect());
-        let mut columns =
-            vec![column("sample", "1", "0-based number of the sample in its cell, as replay takes it", numbers)];
-        for (&input, values) in job.random.inputs.iter().zip(values) {
-            let quantity = job.quantity(input);
-            columns.push(TableColumn {
-                name: quantity.column.clone(),
-                unit: quantity.unit.clone(),
-                long_name: format!("{}, as drawn", quantity.description).into(),
-                values: TableValues::Real(values.into_iter().map(Some).collect()),
-            });
-        }
-        let verdicts = decisions.iter().map(|decision| Some(name(decision.verdict))).collect();
-        let meaning = "verdict that the run counts: stable, unstable, undecided or failed";
-        columns.push(column("verdict", "1", meaning, TableValues::Word(verdicts)));
-        let outside = TableValues::Integer(are_outside.into_iter().map(u64::from).collect());
-        let meaning = format!(
-            "1 for a sample outside the model ({}), decided as criterion.outside_physics specifies, otherwise 0",
-            job.model().outside_meaning()
-        );
-        columns.push(column("outside_physics", "1", &meaning, outside));
-        let sources = job.model().sources();
-        if let Some((last, others)) = sources.split_last() {
-            let name = |decision: &Decision| decision.fed_by.map(|source| sources[source].name);
-            let others: Vec<&str> = others.iter().map(|source| source.name).collect();
-            let meaning = format!("what feeds an unstable sample: {} or {}", others.join(", "), last.name);
-            columns.push(column("fed_by", "1", &meaning, TableValues::Word(decisions.iter().map(name).collect())));
-        }
-        for (place, result) in job.model().recorded().iter().enumerate() {
-            let meaning = format!("{} of {}, {}", result.noun, result.of.nouns()[0], result.meaning);
-            let values = decisions.iter().map(|decision| decision.recorded[place]).collect();
-            columns.push(column(result.name, result.unit, &meaning, TableValues::Real(values)));
-        }
-        columns
-    }
+    columns
 }

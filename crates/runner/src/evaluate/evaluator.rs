@@ -268,16 +268,39 @@ impl<'a> Evaluator<'a> {
         part: u64,
         samples: Range<u64>,
         is_stopped: IsStopped<'_>,
-        mut visit: impl FnMut(&Samples, &[Decision], Option<Vec<bool>>),
+        visit: impl FnMut(&Samples, &[Decision], Option<Vec<bool>>),
     ) {
         let (cell, place) = self.parts.place(part);
         let cell = self.job.grid.cell(cell);
-        let mut drawing = self.draw(&cell, place, &samples, self.job.points());
+        let drawing = self.draw(&cell, place, &samples, self.job.points());
+        self.each_of(&cell, drawing, |numbers| self.audited(part, numbers), is_stopped, visit);
+    }
+
+    /// The same for the first samples of a cell that are drawn at random, whatever the method of the job.
+    pub fn each_random(
+        &self,
+        cell: u64,
+        samples: Range<u64>,
+        is_stopped: IsStopped<'_>,
+        visit: impl FnMut(&Samples, &[Decision], Option<Vec<bool>>),
+    ) {
+        let cell = self.job.grid.cell(cell);
+        let drawing = Drawing::new(self.job, &cell, 0, samples, Points::Random);
+        self.each_of(&cell, drawing, |_| Vec::new(), is_stopped, visit);
+    }
+
+    fn each_of(
+        &self,
+        cell: &Cell,
+        mut drawing: Drawing<'_>,
+        audited: impl Fn(Range<u64>) -> Vec<bool>,
+        is_stopped: IsStopped<'_>,
+        mut visit: impl FnMut(&Samples, &[Decision], Option<Vec<bool>>),
+    ) {
         while let Some(chunk) = drawing.next_chunk(self.chunk) {
-            let audited = self.audited(part, chunk.numbers());
-            let decided = self.decide(&cell, chunk, &audited, &mut Lookups::default(), is_stopped);
+            let decided = self.decide(cell, chunk, &audited(chunk.numbers()), &mut Lookups::default(), is_stopped);
             let Some(decisions) = decided else { return };
-            visit(chunk, &decisions, self.outside(&cell, chunk));
+            visit(chunk, &decisions, self.outside(cell, chunk));
         }
     }
 

@@ -7,10 +7,15 @@ pub fn title(quantity: &Quantity) -> String {
     if let Some(title) = &quantity.title {
         return title.to_string();
     }
-    let mut letters = quantity.noun().chars();
-    let first = letters.next().map(|letter| letter.to_uppercase().to_string()).unwrap_or_default();
-    let name = format!("{first}{}", letters.as_str());
+    let name = capitalised(&quantity.noun());
     if quantity.symbol == quantity.name { name } else { format!("{name} {}", symbol(&quantity.symbol)) }
+}
+
+/// A noun as the beginning of a title.
+pub fn capitalised(noun: &str) -> String {
+    let mut letters = noun.chars();
+    let first = letters.next().map(|letter| letter.to_uppercase().to_string()).unwrap_or_default();
+    format!("{first}{}", letters.as_str())
 }
 
 /// A symbol in Greek letters and with its index, where it is written out.

@@ -2,6 +2,7 @@
 
 use crate::picture::scale::Scale;
 use crate::plot::canvas::{Canvas, GREY, Pen, Rgb};
+use crate::plot::histogram::Histogram;
 use crate::plot::panel::{ABOVE, Arrangement, Axis, Layout, RIGHT, heading, in_lines, space_of, write_notes};
 
 /// Height of the panel over its width.
@@ -35,21 +36,15 @@ impl FrequencyPlot {
         let Arrangement { panels, height } = layout.arrange(1, width);
         let mut canvas = Canvas::new(width, height);
         let [low, high] = self.range();
-        let counts = counts(&self.frequencies, [low, high]);
+        let frequencies = self.frequencies.iter().map(|frequency| (*frequency, 1));
+        let histogram = Histogram::new(frequencies, [low, high], BARS);
         let share = |count: u64| count as f64 / self.samples.max(1) as f64;
-        let highest = counts.iter().copied().map(share).fold(0.0, f64::max);
+        let highest = share(histogram.highest());
         let across = Axis { scale: Scale::linear(low, high), title: "Frequency".to_owned(), unit: "Hz".to_owned() };
         let top = if highest > 0.0 { 1.08 * highest } else { 1.0 };
         let up = Axis { scale: Scale::linear(0.0, top), title: "Share of all samples".to_owned(), unit: String::new() };
         for panel in &panels {
-            let step = (high - low) / BARS as f64;
-            let bar = |(bar, count): (usize, &u64)| {
-                let [left, right] = [bar, bar + 1].map(|end| across.scale.at(low + step * end as f64));
-                let (foot, head) = (panel.place(left, 0.0), panel.place(right, up.scale.at(share(*count))));
-                panel.rectangle((foot.0, head.1), (head.0, foot.1))
-            };
-            let bars: Vec<_> = counts.iter().enumerate().filter(|(_, count)| **count > 0).map(bar).collect();
-            canvas.mosaic(&bars, COLOUR);
+            histogram.draw(&mut canvas, panel, [&across, &up], share(1), COLOUR);
             for frequency in self.modes.iter().filter(|frequency| (low..=high).contains(*frequency)) {
                 let at = panel.place(across.scale.at(*frequency), 1.0);
                 canvas.line(at, (at.0, at.1 + MARK), Pen::new(GREY, 1.0));
@@ -72,35 +67,5 @@ impl FrequencyPlot {
         }
         let space = (0.1 * (high - low)).max(0.01 * high).max(1e-9);
         [(low - space).max(0.0), high + space]
-    }
-}
-
-/// How many frequencies fall into each bar.
-fn counts(frequencies: &[f64], [low, high]: [f64; 2]) -> [u64; BARS] {
-    let mut counts = [0; BARS];
-    for frequency in frequencies {
-        let bar = (BARS as f64 * (frequency - low) / (high - low)) as usize;
-        counts[bar.min(BARS - 1)] += 1;
-    }
-    counts
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn bars_count_every_frequency_once() {
-        let frequencies = [100.0, 100.0, 130.0, 160.0];
-        let plot = FrequencyPlot {
-            frequencies: frequencies.to_vec(),
-            samples: 10,
-            modes: vec![],
-            title: String::new(),
-            notes: vec![],
-        };
-        let counts = counts(&frequencies, plot.range());
-        assert_eq!(counts.iter().sum::<u64>(), 4);
-        assert_eq!(counts.iter().filter(|count| **count > 0).count(), 3);
     }
 }

@@ -15,6 +15,8 @@ pub mod panel;
 
 pub mod legend;
 
+pub mod histogram;
+
 pub mod axes;
 
 pub mod values;
@@ -50,3 +52,11 @@ pub mod fit;
 pub mod modes;
 
 pub mod frequencies;
+
+pub mod inputs;
+
+pub mod scatter;
+
+pub mod convergence;
+
+pub mod distribution;

@@ -170,11 +170,13 @@ fn pictures(runs: &[ReportedRun], kind: PictureKind) -> String {
 
 impl PictureKind {
     /// All of them, in their order on the page.
-    const ALL: [Self; 3] = [Self::Verdicts, Self::Modes, Self::SquealFrequencies];
+    const ALL: [Self; 5] = [Self::Inputs, Self::Distributions, Self::Verdicts, Self::Modes, Self::SquealFrequencies];
 
     /// What its section is called, in links and above it.
     fn heading(self) -> (&'static str, &'static str) {
         match self {
+            Self::Inputs => ("inputs", "Random inputs"),
+            Self::Distributions => ("distributions", "Recorded results"),
             Self::Verdicts => ("verdicts", "Verdict map"),
             Self::Modes => ("modes", "Modes"),
             Self::SquealFrequencies => ("squeal-frequencies", "Frequencies of squeal"),
@@ -184,6 +186,8 @@ impl PictureKind {
     /// For readers who do not see it.
     fn alternative(self, model: &dyn Model) -> String {
         match self {
+            Self::Inputs => "Densities of the random inputs".to_owned(),
+            Self::Distributions => "Distribution of a recorded result".to_owned(),
             Self::Verdicts => format!("Map of the verdicts over {}", nouns_of_pair(model)),
             Self::Modes => "Frequencies and damping ratios of modes over a parameter".to_owned(),
             Self::SquealFrequencies => "Histogram of the frequencies of unstable samples".to_owned(),
@@ -192,6 +196,13 @@ impl PictureKind {
 
     fn note(self, model: &dyn Model) -> String {
         match self {
+            Self::Inputs => {
+                "As drawn in the cell in the middle of the axes. Samples outside the model have no equations."
+                    .to_owned()
+            }
+            Self::Distributions => {
+                "Of the samples that have the result: from the 5 % to the 95 % quantile lie 90 % of them.".to_owned()
+            }
             Self::Verdicts => format!("Every sample whose {} lie in a region has its verdict.", nouns_of_pair(model)),
             Self::Modes => {
                 "Where the lines of two frequencies meet and their damping ratios part, friction couples the modes."

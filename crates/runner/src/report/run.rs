@@ -49,6 +49,8 @@ pub struct Picture {
 /// What a picture shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PictureKind {
+    Inputs,
+    Distributions,
     Verdicts,
     Modes,
     SquealFrequencies,

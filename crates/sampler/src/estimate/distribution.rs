@@ -89,6 +89,16 @@ impl Distribution {
         self.bins.iter().map(|(bin, count)| (*bin, *count))
     }
 
+    /// The middle of every bin that is not empty, with its number of values, from the least to the greatest.
+    pub fn middles(&self) -> impl Iterator<Item = (f64, u64)> + '_ {
+        // From the negative values that are farthest from 0 to the largest positive one.
+        let sorted = self.bins.range(SIGN..).rev().chain(self.bins.range(..SIGN));
+        let edge = |bin: u32| f64::from_bits(u64::from(bin) << DROPPED_BITS);
+        // The bin of zero has nothing else that is not as good as zero.
+        let middle = move |bin: u32| if bin & !SIGN == 0 { 0.0 } else { 0.5 * (edge(bin) + edge(bin + 1)) };
+        sorted.map(move |(bin, count)| (middle(*bin), *count))
+    }
+
     /// The mean; `None` without values.
     #[must_use]
     pub fn mean(&self) -> Option<f64> {
@@ -103,15 +113,11 @@ impl Distribution {
         // The smallest value with at least this many at or below it.
         let rank = (p.clamp(0.0, 1.0) * self.count() as f64).ceil().max(1.0) as u64;
         let mut below = 0;
-        // From the negative values that are farthest from 0 to the largest positive one.
-        for (bin, count) in self.bins.range(SIGN..).rev().chain(self.bins.range(..SIGN)) {
+        let reaches = |(_, count): &(f64, u64)| {
             below += count;
-            if below >= rank {
-                let edge = |bin: u32| f64::from_bits(u64::from(bin) << DROPPED_BITS);
-                return Some(0.5 * (edge(*bin) + edge(bin + 1)));
-            }
-        }
-        None
+            below >= rank
+        };
+        self.middles().find(reaches).map(|(value, _)| value)
     }
 }
 
@@ -123,6 +129,14 @@ mod tests {
     fn values() -> [Vec<f64>; 3] {
         let positive = || (1..5000_u32).map(|i| 0.02 / f64::from(i * 7919 % 5003));
         [positive().collect(), positive().map(|x| 1e-4 - x).collect(), positive().map(|x| -1e9 * x).collect()]
+    }
+
+    #[test]
+    fn zeros_are_zeros() {
+        let mut distribution = Distribution::default();
+        [0.0, -0.0, 0.0, 2.0].into_iter().for_each(|value| distribution.add(value));
+        assert_eq!(distribution.quantile(0.5), Some(0.0));
+        assert_eq!(distribution.middles().next(), Some((0.0, 3)));
     }
 
     #[test]

@@ -201,6 +201,22 @@ pub enum MarginalError {
 }
 
 impl Marginal {
+    /// What it is called, within a sentence.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Normal => "normal",
+            Self::Lognormal => "lognormal",
+            Self::Uniform => "uniform",
+            Self::TruncatedNormal { .. } => "truncated normal",
+            Self::Weibull => "Weibull",
+            Self::Gumbel => "Gumbel",
+            Self::Triangular { .. } => "triangular",
+            Self::Beta { .. } => "beta",
+            Self::Empirical(_) => "measured values",
+        }
+    }
+
     /// Whether the distribution exists with this expected value and relative standard deviation.
     ///
     /// # Errors

@@ -1,0 +1,156 @@
+//! How the estimate of a cell converges as samples are counted.
+
+use std::ops::Range;
+use std::path::Path;
+
+use stickslip_sampler::estimate::interval::Estimate;
+use stickslip_sampler::grid::Cell;
+
+use super::place;
+use crate::cli::PlotArguments;
+use crate::commands::completion::evaluator_again;
+use crate::evaluate::evaluator::Evaluator;
+use crate::evaluate::unit::FinishedUnit;
+use crate::failure::Failure;
+use crate::interrupt::Interrupt;
+use crate::job::{Answer, Effort, Job};
+use crate::output::{counted, note};
+use crate::picture::view::{rounded, scatter};
+use crate::plot::convergence::ConvergencePlot;
+use crate::schedule::engine::{Engine, Outcome};
+use crate::schedule::progress::Progress;
+use crate::store::directory::RunDirectory;
+use crate::store::tally::Tally;
+use crate::tables::surface::Surface;
+use stickslip_core::model::IsStopped;
+
+/// Most samples that are drawn once more.
+const MOST_SAMPLES: u64 = 10_000_000;
+
+/// Numbers of samples at which the estimate is drawn, for each factor of ten, and the first of them: of many, and of few.
+const STEPS_OF_A_DECADE: f64 = 24.0;
+const FIRST: f64 = 10.0;
+const MANY: u64 = 200;
+const FIRST_OF_FEW: f64 = 2.0;
+
+/// The picture of a cell of a run, or of a job before it is run.
+///
+/// # Errors
+/// A job that draws no samples, and an interruption.
+pub fn convergence(
+    path: &Path,
+    job: &Job,
+    cell: &Cell,
+    arguments: &PlotArguments,
+    interrupt: &Interrupt,
+) -> Result<ConvergencePlot, Failure> {
+    if !job.draws_samples() {
+        return Err(Failure::Usage(format!(
+            "the job \"{}\" integrates its probabilities and draws no samples, so nothing converges with their number",
+            job.name
+        )));
+    }
+    let evaluator = evaluator(path, job, cell)?;
+    let parts = evaluator.parts();
+    let all: u64 = parts.in_cell(cell.index).map(|part| parts.max_samples(parts.place(part).1)).sum();
+    let samples = arguments.samples.map_or(all, |wanted| wanted.min(all)).min(MOST_SAMPLES);
+    let units = units(&evaluator, cell.index, samples, all);
+    let mut tally = Tally::new(parts);
+    let mut progress = Progress::new(samples.into(), "samples");
+    let engine = Engine::new(arguments.threads.count())?;
+    let mut counted_units: Vec<Option<FinishedUnit>> = vec![None; units.len()];
+    let count = |index: u64, is_stopped: IsStopped<'_>| {
+        let (_, part, range) = &units[index as usize];
+        (index as usize, evaluator.count(*part, range.clone(), is_stopped))
+    };
+    let outcome = engine.for_each_in_parallel(units.len() as u64, interrupt, count, |(index, unit)| {
+        progress.advance(unit.as_ref().map_or(0, FinishedUnit::len));
+        progress.tick();
+        counted_units[index] = unit;
+    })?;
+    progress.finish();
+    if let Outcome::Stopped(signal) = outcome {
+        return Err(Failure::stopped(signal, &"nothing was written".into()));
+    }
+    let mut estimates: Vec<(u64, Estimate)> = Vec::new();
+    let mut of_all = 0;
+    for (i, unit) in counted_units.iter().enumerate() {
+        let Some(unit) = unit else { continue };
+        tally.add(unit);
+        of_all += unit.len();
+        let is_last_of_step = units.get(i + 1).is_none_or(|(step, ..)| *step != units[i].0);
+        if is_last_of_step {
+            estimates.push((of_all, estimate(job, &tally, cell.index)));
+        }
+    }
+    let mut notes = vec![format!(
+        "{} of {}; band: {}, at each number of samples by itself",
+        counted(of_all.into(), "sample", "samples"),
+        scatter(job, cell.index),
+        job.sampling.method.interval(&job.sampling)
+    )];
+    if let Some((_, Estimate { probability: Some(probability), low, high })) = estimates.last() {
+        notes.push(format!("last: P = {} ({} to {})", rounded(*probability), rounded(*low), rounded(*high)));
+    }
+    if samples < all && arguments.samples.is_none() {
+        note(format_args!("the first {samples} samples of {all} are drawn once more, as many as a picture takes"));
+    }
+    let what = if job.answer() == Answer::Population { "Populations of the cell" } else { "Samples of the cell" };
+    Ok(ConvergencePlot { estimates, across: what.to_owned(), title: place(job, cell.index), notes })
+}
+
+/// The estimate of a cell; while a run goes on until it is precise, that of a run of as many samples.
+fn estimate(job: &Job, tally: &Tally, cell: u64) -> Estimate {
+    let row = Surface::new(job, tally).row(cell);
+    match job.sampling.effort {
+        Effort::Until(_) => job.interval(job.sampling.confidence).estimate(&row.counts),
+        _ => row.estimate,
+    }
+}
+
+/// What evaluates the samples of a run, with its maps, or of a job.
+fn evaluator<'a>(path: &Path, job: &'a Job, cell: &Cell) -> Result<Evaluator<'a>, Failure> {
+    if !(path.is_dir() && job.uses_maps()) {
+        return Evaluator::new(job);
+    }
+    let directory = RunDirectory::view(path)?;
+    let tally = directory.tally(job)?;
+    evaluator_again(&directory, job, &tally, cell.index)
+}
+
+/// The samples of a cell in units of work, each with the number of its step and its part: all parts grow alike, but for
+/// those that follow each other.
+fn units(evaluator: &Evaluator<'_>, cell: u64, samples: u64, all: u64) -> Vec<(usize, u64, Range<u64>)> {
+    let parts = evaluator.parts();
+    let first = if samples < MANY { FIRST_OF_FEW } else { FIRST };
+    let last = libm::log10(samples.max(1) as f64 / first).max(0.0);
+    let steps = (STEPS_OF_A_DECADE * last).ceil() as usize;
+    let mut ends: Vec<u64> =
+        (0..=steps).map(|step| (first * libm::pow(10.0, step as f64 / STEPS_OF_A_DECADE)) as u64).collect();
+    ends.push(samples);
+    ends.retain(|end| (1..=samples).contains(end));
+    ends.sort_unstable();
+    ends.dedup();
+    // Up to where each part is counted after a step.
+    let end_of = |part: u64, end: u64| {
+        let place = parts.place(part).1;
+        let most = parts.max_samples(place);
+        if parts.are_sequential() {
+            end.saturating_sub(parts.first_sample(place)).min(most)
+        } else {
+            (u128::from(end) * u128::from(most) / u128::from(all.max(1))) as u64
+        }
+    };
+    let length = evaluator.job().unit_samples();
+    let mut units = Vec::new();
+    let mut before = 0;
+    for (step, &end) in ends.iter().enumerate() {
+        for part in parts.in_cell(cell) {
+            let range = end_of(part, before)..end_of(part, end);
+            let starts = range.clone().step_by(length as usize);
+            units.extend(starts.map(|start| (step, part, start..range.end.min(start + length))));
+        }
+        before = end;
+    }
+    units
+}

@@ -1,0 +1,123 @@
+//! The distribution of what is recorded of samples.
+
+use std::path::Path;
+
+use indicatif::HumanCount;
+use stickslip_core::model::recorded::RecordedResult;
+use stickslip_sampler::grid::Cell;
+
+use super::{place, unit};
+use crate::evaluate::parts::Parts;
+use crate::evaluate::unit::{Recorded, add_recorded};
+use crate::failure::Failure;
+use crate::job::Job;
+use crate::picture::scale::Scale;
+use crate::picture::title::capitalised;
+use crate::picture::view::{GridView, rounded, scatter};
+use crate::plot::canvas::Canvas;
+use crate::plot::curves::Curves;
+use crate::plot::distribution::DistributionPlot;
+use crate::plot::form::Form;
+use crate::plot::panel::Axis;
+use crate::store::directory::RunDirectory;
+use crate::tables::finished::FinishedSurface;
+
+/// The picture of the quantiles over an axis, and its name; `None` where the cells make no curves.
+///
+/// # Errors
+/// A path that is no run, and a run that does not record the result.
+pub fn along(path: &Path, name: Option<&str>, width: f64) -> Result<Option<(Canvas, String)>, Failure> {
+    require_run(path)?;
+    let surface = FinishedSurface::open(path)?;
+    let result = *chosen(&surface.job, name)?.1;
+    let view = GridView::new(&surface.job);
+    let Some(Form::Curves(along)) = Form::for_grid(&view) else { return Ok(None) };
+    let columns = ["p50", "p05", "p95"].map(|kind| format!("{}_{kind}", result.name));
+    let [middle, low, high] = surface.numbers(columns.each_ref().map(String::as_str))?;
+    let known = middle.iter().zip(low.iter().zip(&high)).filter(|(middle, _)| middle.is_some());
+    let ends = known.flat_map(|(_, (low, high))| [*low, *high]).flatten();
+    let curves = Curves {
+        job: &surface.job,
+        view: &view,
+        along,
+        vertical: Axis {
+            scale: Scale::around(ends),
+            title: capitalised(result.noun),
+            unit: unit(result.unit).to_owned(),
+        },
+        has_zero: true,
+        notes: vec![format!("median of the {}; bands: from the 5 % to the 95 % quantile", result.of.nouns()[1])],
+        values: &middle,
+        low: &low.iter().map(|end| end.unwrap_or(f64::NAN)).collect::<Vec<f64>>(),
+        high: &high.iter().map(|end| end.unwrap_or(f64::NAN)).collect::<Vec<f64>>(),
+    };
+    Ok(Some((curves.figure(width), format!("distribution-{}", result.name))))
+}
+
+/// The picture of one cell of a run, and its name.
+///
+/// # Errors
+/// As [`along`], and a cell whose samples have no such value.
+pub fn of_cell(path: &Path, job: &Job, cell: &Cell, name: Option<&str>) -> Result<(DistributionPlot, String), Failure> {
+    require_run(path)?;
+    let (at, result) = chosen(job, name)?;
+    let tally = RunDirectory::view(path)?.tally(job)?;
+    let mut recorded = Recorded::default();
+    for part in Parts::new(job).in_cell(cell.index) {
+        tally.recorded(part).into_iter().for_each(|of_part| add_recorded(&mut recorded, of_part));
+    }
+    let values = std::mem::take(&mut recorded[at]);
+    let mean = values.mean().ok_or_else(|| {
+        Failure::Job(format!(
+            "no sample of cell {} of {} has a {}; choose another with --cell",
+            cell.index,
+            path.display(),
+            result.noun
+        ))
+    })?;
+    let plot = DistributionPlot {
+        title: capitalised(result.noun),
+        unit: unit(result.unit).to_owned(),
+        heading: place(job, cell.index),
+        notes: vec![
+            format!(
+                "{} {}, mean {}; {}",
+                HumanCount(values.count()),
+                result.of.nouns()[1],
+                rounded(mean),
+                scatter(job, cell.index)
+            ),
+            format!("{}: {}", result.noun, result.meaning),
+        ],
+        values,
+    };
+    Ok((plot, format!("distribution-{}", result.name)))
+}
+
+/// A recorded result with its place among them: the one of this name, or the first.
+fn chosen<'a>(job: &'a Job, name: Option<&str>) -> Result<(usize, &'a RecordedResult), Failure> {
+    let recorded = job.model().recorded();
+    let names: Vec<&str> = recorded.iter().map(|result| result.name).collect();
+    if names.is_empty() {
+        return Err(Failure::Job(format!(
+            "the job \"{}\" records nothing of its samples whose distribution could be drawn; name results in criterion.record, and submit it to another directory",
+            job.name
+        )));
+    }
+    let found = recorded.iter().enumerate().find(|(_, result)| name.is_none_or(|name| result.name == name));
+    found.ok_or_else(|| {
+        let name = name.unwrap_or_default();
+        Failure::Usage(format!("--result {name}: the run does not record it (it records {})", names.join(", ")))
+    })
+}
+
+/// Refuses a job that was not run.
+fn require_run(path: &Path) -> Result<(), Failure> {
+    if path.is_dir() {
+        return Ok(());
+    }
+    Err(Failure::Usage(format!(
+        "{} is a file; --of distribution draws what a run recorded: submit the job, and name its directory",
+        path.display()
+    )))
+}

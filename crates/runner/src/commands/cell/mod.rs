@@ -1,0 +1,133 @@
+//! What there is to see of one cell of a job, before a run or after it: its inputs, its samples, how its estimate converges,
+//! and the distribution of what is recorded.
+
+use std::path::{Path, PathBuf};
+
+use crate::cli::{PlotArguments, PlotQuantity};
+use crate::evaluate::evaluator::Evaluator;
+use crate::failure::Failure;
+use crate::interrupt::Interrupt;
+use crate::job::Job;
+use crate::picture::title::title;
+use crate::picture::view::GridView;
+use crate::plot::canvas::Canvas;
+use crate::plot::scatter::Value;
+use crate::report::{PICTURE_WIDTH, Picture, PictureKind};
+
+use super::drawn_samples::{Add, DrawnSamples, draw};
+use super::one_brake::{cell_of, middle};
+use stickslip_core::model::IsStopped;
+use stickslip_core::model::quantity::Quantity;
+
+mod inputs;
+
+mod samples;
+
+mod convergence;
+
+mod distribution;
+
+/// Samples that are looked at one by one, and those of models whose samples take long.
+const SAMPLES: u64 = 2000;
+const FEW_SAMPLES: u64 = 200;
+
+/// Samples of a unit of work.
+const UNIT_SAMPLES: u64 = 50;
+
+/// The figure, and where it is written if no file is given, without an extension.
+///
+/// # Errors
+/// As the pictures themselves.
+pub fn figure(arguments: &PlotArguments, width: f64, interrupt: &Interrupt) -> Result<(Canvas, PathBuf), Failure> {
+    let path = arguments.run.as_path();
+    if let (PlotQuantity::Distribution, None) = (arguments.of, arguments.cell)
+        && let Some((canvas, name)) = distribution::along(path, arguments.result.as_deref(), width)?
+    {
+        return Ok((canvas, beside(path, &name)));
+    }
+    let (job, cell) = cell_of(path, arguments.cell)?;
+    let (canvas, name) = match arguments.of {
+        PlotQuantity::Samples => {
+            let plot = samples::scatter(&job, &cell, arguments, interrupt)?;
+            (plot.figure(width), "samples".to_owned())
+        }
+        PlotQuantity::Convergence => {
+            let plot = convergence::convergence(path, &job, &cell, arguments, interrupt)?;
+            (plot.figure(width), "convergence".to_owned())
+        }
+        PlotQuantity::Distribution => {
+            let (plot, name) = distribution::of_cell(path, &job, &cell, arguments.result.as_deref())?;
+            (plot.figure(width), name)
+        }
+        _ => (inputs::inputs(&job, &cell)?.figure(width), "inputs".to_owned()),
+    };
+    Ok((canvas, beside(path, &name)))
+}
+
+/// The pictures of a finished run in its report: the inputs of the cell in the middle of its axes, and what is recorded.
+///
+/// # Errors
+/// A run that cannot be read.
+pub fn pictures(job: &Job, path: &Path) -> Result<Vec<Picture>, Failure> {
+    let cell = job.grid.cell(middle(job));
+    let mut pictures = Vec::new();
+    let mut add = |kind: PictureKind, figure: Result<Canvas, Failure>| {
+        match figure {
+            Ok(canvas) => pictures.push(Picture { kind, canvas }),
+            Err(why) if why.is_of_job() => {}
+            Err(why) => return Err(why),
+        }
+        Ok(())
+    };
+    add(PictureKind::Inputs, inputs::inputs(job, &cell).map(|plot| plot.figure(PICTURE_WIDTH)))?;
+    for result in job.model().recorded() {
+        let name = Some(result.name);
+        let figure = match distribution::along(path, name, PICTURE_WIDTH)? {
+            Some((canvas, _)) => Ok(canvas),
+            None => distribution::of_cell(path, job, &cell, name).map(|(plot, _)| plot.figure(PICTURE_WIDTH)),
+        };
+        add(PictureKind::Distributions, figure)?;
+    }
+    Ok(pictures)
+}
+
+/// The file of a picture of a run, or of a job beside its file, without an extension.
+pub fn beside(path: &Path, name: &str) -> PathBuf {
+    if path.is_dir() {
+        return path.join(name);
+    }
+    let job = path.file_stem().unwrap_or_default().to_string_lossy();
+    path.with_file_name(format!("{job}-{name}"))
+}
+
+/// The first samples of a cell, drawn at random, with their decisions.
+fn first_samples(
+    job: &Job,
+    cell: u64,
+    samples: u64,
+    threads: usize,
+    interrupt: &Interrupt,
+) -> Result<DrawnSamples, Failure> {
+    let evaluator = Evaluator::new(job)?;
+    let units: Vec<u64> = (0..samples).step_by(UNIT_SAMPLES as usize).collect();
+    let of_unit = |&first: &u64, is_stopped: IsStopped<'_>, add: Add<'_>| {
+        evaluator.each_random(cell, first..samples.min(first + UNIT_SAMPLES), is_stopped, add);
+    };
+    draw(&units, samples, threads, interrupt, of_unit)
+}
+
+/// A quantity as the axis of a picture.
+fn value_of(quantity: &Quantity) -> Value {
+    Value { title: title(quantity), unit: unit(&quantity.unit).to_owned() }
+}
+
+/// A unit as pictures have it: nothing for a pure number.
+fn unit(unit: &str) -> &str {
+    if unit == "1" { "" } else { unit }
+}
+
+/// Which cell a picture shows, by the values of the axes.
+fn place(job: &Job, cell: u64) -> String {
+    let place = GridView::new(job).place_of(job, cell);
+    if place.is_empty() { format!("cell {cell}") } else { format!("cell {cell}: {place}") }
+}

@@ -1,0 +1,73 @@
+//! The distribution of a recorded result over the samples of a cell.
+
+use stickslip_sampler::estimate::distribution::Distribution;
+
+use crate::picture::scale::Scale;
+use crate::picture::view::rounded;
+use crate::plot::canvas::{BLACK, Canvas, GREY, Pen, Rgb, Side};
+use crate::plot::histogram::Histogram;
+use crate::plot::panel::{ABOVE, Arrangement, Axis, Layout, RIGHT, SMALL, heading, in_lines, space_of, write_notes};
+
+/// Height of the panel over its width.
+const ASPECT: f64 = 0.55;
+
+/// Space above the highest bar, where the quantiles are named.
+const SPACE: f64 = 1.16;
+
+/// Bars over the range.
+const BARS: usize = 60;
+
+/// Shares of the samples, all but a few of which are drawn.
+const ENDS: [f64; 2] = [0.001, 0.999];
+
+/// Quantiles that have a line.
+const QUANTILES: [f64; 3] = [0.05, 0.5, 0.95];
+
+const COLOUR: Rgb = (0xb3, 0xd9, 0xf2);
+
+/// What is drawn.
+pub struct DistributionPlot {
+    pub values: Distribution,
+    pub title: String,
+    pub unit: String,
+    /// What stands above.
+    pub heading: String,
+    pub notes: Vec<String>,
+}
+
+impl DistributionPlot {
+    /// The figure, this wide in pixels.
+    pub fn figure(&self, width: f64) -> Canvas {
+        let notes = in_lines(&self.notes, width);
+        let layout = Layout { above: ABOVE, right: RIGHT, below: space_of(&notes), aspect: ASPECT, most_columns: 1 };
+        let Arrangement { panels, height } = layout.arrange(1, width);
+        let mut canvas = Canvas::new(width, height);
+        let quantile = |share: f64| self.values.quantile(share).unwrap_or(0.0);
+        let scale = Scale::around(ENDS.map(quantile).into_iter());
+        let across = Axis { scale, title: self.title.clone(), unit: self.unit.clone() };
+        let range = [0.0, 1.0].map(|end| scale.value(end));
+        let histogram = Histogram::new(self.values.middles(), range, BARS);
+        let share = 1.0 / self.values.count().max(1) as f64;
+        let top = SPACE * share * histogram.highest().max(1) as f64;
+        let up = Axis { scale: Scale::linear(0.0, top), title: "Share of the samples".to_owned(), unit: String::new() };
+        for panel in &panels {
+            histogram.draw(&mut canvas, panel, [&across, &up], share, COLOUR);
+            for share in QUANTILES {
+                let at = across.scale.at(quantile(share));
+                let (foot, head) = (panel.place(at, 0.0), panel.place(at, 1.0));
+                canvas.dashes(&[foot, head], Pen::new(GREY, 1.0));
+                let name = format!("{} %: {}", rounded(100.0 * share), rounded(significant(quantile(share))));
+                canvas.text((head.0 + 3.0, head.1 + 10.0), &name, SMALL - 2, Side::Right, 0.0, BLACK);
+            }
+            panel.frame(&mut canvas, &across, &up);
+            heading(&mut canvas, panel, &self.heading);
+        }
+        write_notes(&mut canvas, &notes, (width, height));
+        canvas
+    }
+}
+
+/// A quantile with as many digits as it is known to.
+fn significant(value: f64) -> f64 {
+    format!("{value:.3e}").parse().unwrap_or(value)
+}

@@ -1,0 +1,72 @@
+//! Single samples as points over two of their values.
+
+use crate::picture::scale::Scale;
+use crate::plot::canvas::{Canvas, Rgb};
+use crate::plot::legend::Legend;
+use crate::plot::panel::{ABOVE, Arrangement, Axis, LEFT, Layout, RIGHT, heading, in_lines, space_of, write_notes};
+
+/// Height of the panel over its width.
+const ASPECT: f64 = 0.62;
+
+/// Space between the panel and the legend.
+const BEFORE: f64 = 8.0;
+
+/// Radius of a point.
+const POINT: f64 = 1.7;
+
+/// A kind of points.
+pub struct Points {
+    pub name: String,
+    pub colour: Rgb,
+    /// Across and up.
+    pub places: Vec<[f64; 2]>,
+}
+
+/// What the points lie over.
+pub struct Value {
+    pub title: String,
+    pub unit: String,
+}
+
+/// What is drawn.
+pub struct ScatterPlot {
+    /// Across and up.
+    pub axes: [Value; 2],
+    /// Those that come later are drawn over those before.
+    pub kinds: Vec<Points>,
+    pub title: String,
+    pub notes: Vec<String>,
+}
+
+impl ScatterPlot {
+    /// The figure, this wide in pixels.
+    pub fn figure(&self, width: f64) -> Canvas {
+        let notes = in_lines(&self.notes, width);
+        let is_there = |points: &&Points| !points.places.is_empty();
+        let entries = self.kinds.iter().filter(is_there);
+        let entries = entries.map(|points| (points.colour, format!("{} ({})", points.name, points.places.len())));
+        let legend = Legend::new(entries.collect(), width - LEFT - RIGHT);
+        let below = BEFORE + legend.height() + space_of(&notes);
+        let layout = Layout { above: ABOVE, right: RIGHT, below, aspect: ASPECT, most_columns: 1 };
+        let Arrangement { panels, height } = layout.arrange(1, width);
+        let mut canvas = Canvas::new(width, height);
+        let all = || self.kinds.iter().flat_map(|points| &points.places);
+        let [across, up] = [0, 1].map(|axis| Axis {
+            scale: Scale::around(all().map(|place| place[axis])),
+            title: self.axes[axis].title.clone(),
+            unit: self.axes[axis].unit.clone(),
+        });
+        for panel in &panels {
+            for Points { places, colour, .. } in &self.kinds {
+                for [right, high] in places {
+                    canvas.dot(panel.place(across.scale.at(*right), up.scale.at(*high)), POINT, *colour);
+                }
+            }
+            panel.frame(&mut canvas, &across, &up);
+            heading(&mut canvas, panel, &self.title);
+            legend.draw(&mut canvas, (panel.left, height - below + BEFORE));
+        }
+        write_notes(&mut canvas, &notes, (width, height));
+        canvas
+    }
+}
