@@ -188,6 +188,8 @@ docs-pictures:
 	$(call picture,parking-map)
 	$(STICKSLIP) reproduce $(FIGURES) --out target/pictures >/dev/null
 	mkdir -p docs/figures
+	sed -n '/^# bedded.toml/,/^```/p' docs/how-to/see-inputs-and-samples.md | sed '$$d' > target/pictures/bedded.toml
+	$(STICKSLIP) plot target/pictures/bedded.toml --cell 7 --out docs/figures/inputs.svg
 	$(STICKSLIP) plot jobs/hulten.toml --of modes --cell 16 --out docs/figures/modes.svg
 	$(STICKSLIP) plot jobs/hulten.toml --of squeal-frequencies --cell 16 --out docs/figures/squeal-frequencies.svg
 	$(STICKSLIP) reduce jobs/own-brake.toml --vectors 120 --out target/pictures/own-brake-120.toml >/dev/null

@@ -293,7 +293,7 @@ fn what_is_found_of_limits_is_kept() {
          probability = [0.01, 0.2]\n",
     );
     let (mut before, mut sessions) = (0, 0);
-    while stopped_after(go_on(&place), 700) {
+    while stopped_after(go_on(&place), 1000) {
         let now = answers_kept(&place, "run/limits");
         assert!(
             now > before || samples_done(&place, "run") < 8192 || now == 0,

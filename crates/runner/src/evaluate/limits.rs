@@ -115,8 +115,7 @@ impl<'a> LimitSearch<'a> {
                 search.limits(&self.values(), targets, is_stopped)
             }
             LimitMethod::Samples => {
-                let estimate = |value: f64| self.of_samples(cell, value, is_stopped);
-                self.scan(targets, TOLERANCES[1], &[], |value| asked.estimate(|| estimate(value)))
+                self.scan(targets, TOLERANCES[1], &[], |value| self.of_samples(cell, value, &asked, is_stopped))
             }
         }
     }
@@ -166,11 +165,17 @@ impl<'a> LimitSearch<'a> {
     }
 
     /// The estimate from the samples of a cell with another value of the axis.
-    fn of_samples(&self, cell: u64, value: f64, is_stopped: IsStopped<'_>) -> Result<Estimate, Ended> {
+    fn of_samples(
+        &self,
+        cell: u64,
+        value: f64,
+        asked: &Asked<'_>,
+        is_stopped: IsStopped<'_>,
+    ) -> Result<Estimate, Ended> {
         let job = self.axis.job_at(self.job, value);
         job.configuration_in(&job.grid.cell(cell)).map_err(|error| Ended::NoSuchConfiguration(value, error))?;
         let evaluator = Evaluator::new(&job).map_err(Ended::Failed)?;
-        let parts = evaluator.count_cell(cell, is_stopped).ok_or(Ended::Stopped)?;
+        let parts = evaluator.count_cell(cell, asked, is_stopped).ok_or(Ended::Stopped)?;
         Ok(match job.sampling.effort {
             Effort::Randomisations { .. } => randomised::estimate(&job, &parts, self.confidence),
             _ => {

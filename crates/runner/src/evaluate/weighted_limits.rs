@@ -61,7 +61,7 @@ pub struct WeightedSearch<'a, 'k> {
     pub cell: u64,
     /// Confidence of the intervals of probabilities.
     pub confidence: f64,
-    /// Its estimates.
+    /// The samples of its estimates.
     pub asked: &'a Asked<'k>,
 }
 
@@ -76,7 +76,7 @@ impl WeightedSearch<'_, '_> {
         targets: &[f64],
         is_stopped: IsStopped<'_>,
     ) -> Result<CombinationLimits, Ended> {
-        let estimate = |value: f64| self.asked.estimate(|| self.estimate(value, None, targets, is_stopped));
+        let estimate = |value: f64| self.estimate(value, None, targets, is_stopped);
         let scan = Scan::new(values, TOLERANCES[0], estimate)?;
         if scan.is_unknown() {
             return Err(Ended::Failed(Failure::Job(format!(
@@ -100,8 +100,9 @@ impl WeightedSearch<'_, '_> {
         let Some(value) = limit.value else { return Ok(()) };
         let job = self.axis.job_at(self.job, value);
         let placed = Evaluator::new(&job).map_err(Ended::Failed)?;
-        self.evaluate(&job, &placed, value, &[target], is_stopped)?;
-        let estimate = |value: f64| self.asked.estimate(|| self.estimate(value, Some(&placed), &[target], is_stopped));
+        // Its samples have to be placed, whatever is known of them.
+        self.evaluate(&job, &placed, value, &[target], &Asked::new(None, (self.cell, 0)), is_stopped)?;
+        let estimate = |value: f64| self.estimate(value, Some(&placed), &[target], is_stopped);
         let [least, most] = self.axis.range();
         for reach in REACHES {
             let width = reach * value.abs().max(SMALLEST * (most - least));
@@ -138,7 +139,7 @@ impl WeightedSearch<'_, '_> {
         job.configuration_in(&job.grid.cell(self.cell)).map_err(|error| Ended::NoSuchConfiguration(value, error))?;
         let evaluator = Evaluator::new(&job).map_err(Ended::Failed)?;
         placed.into_iter().for_each(|placed| evaluator.place_samples_as(placed));
-        self.evaluate(&job, &evaluator, value, targets, is_stopped)
+        self.evaluate(&job, &evaluator, value, targets, self.asked, is_stopped)
     }
 
     /// The estimate of the cell of a job with a value of the axis.
@@ -148,9 +149,10 @@ impl WeightedSearch<'_, '_> {
         evaluator: &Evaluator<'_>,
         value: f64,
         targets: &[f64],
+        asked: &Asked<'_>,
         is_stopped: IsStopped<'_>,
     ) -> Result<Estimate, Ended> {
-        let parts = evaluator.count_cell(self.cell, is_stopped).ok_or(Ended::Stopped)?;
+        let parts = evaluator.count_cell(self.cell, asked, is_stopped).ok_or(Ended::Stopped)?;
         match randomised::of_weights(job, &parts, self.confidence) {
             Some(found) if matches!(found.distrust, None | Some(Distrust::NothingFound)) => Ok(found.estimate),
             // Far below all targets its digits do not matter; a population that found more has at most four times the mean.
