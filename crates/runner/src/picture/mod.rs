@@ -4,9 +4,10 @@ use anstyle::{Ansi256Color, Style};
 
 use crate::output::{counted, wrapped};
 use crate::picture::chart::{Chart, ChartAxis, Form, Series};
+use crate::picture::panels::MOST_PANELS;
 use crate::picture::scale::Scale;
 use crate::picture::terminal::drawn;
-use crate::picture::view::{GridView, MOST_PANELS, Slice, ViewAxis, is_family, label, rounded};
+use crate::picture::view::{GridView, Slice, ViewAxis, is_family, label, rounded};
 use crate::tables::row::SurfaceRow;
 use crate::tables::surface::Surface;
 
@@ -15,6 +16,8 @@ pub mod scale;
 pub mod title;
 
 pub mod view;
+
+pub mod panels;
 
 pub mod chart;
 
@@ -126,7 +129,7 @@ fn of_slice(surface: &Surface<'_>, view: &GridView, slice: &Slice<'_>) -> Drawin
 /// The slices that are not drawn, each with its range of probabilities.
 fn others(surface: &Surface<'_>, view: &GridView, slices: usize) -> String {
     let more = counted((slices - MOST_SLICES) as u128, "more slice", "more slices");
-    let drawn = if slices <= MOST_PANELS { "them all".to_owned() } else { format!("the first {MOST_PANELS}") };
+    let drawn = if slices <= MOST_PANELS { "them all".to_owned() } else { format!("at most {MOST_PANELS} at once") };
     let mut text = format!("... and {more} in the file; `stickslip plot` draws {drawn}\n");
     text += "Smallest and largest probability:\n";
     let length = |axis: Option<&ViewAxis>| axis.map_or(1, |axis| axis.values.len());
