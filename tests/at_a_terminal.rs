@@ -77,7 +77,7 @@ impl Terminal {
 fn is_there(program: &str) -> bool {
     let is_there = Command::new(program).arg("--version").stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok();
     if !is_there {
-        eprintln!("note: no {program}, a test is left out");
+        let _ = writeln!(std::io::stderr(), "note: no {program}, a test is left out");
     }
     is_there
 }

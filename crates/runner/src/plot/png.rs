@@ -9,6 +9,9 @@ use crate::plot::font::{Font, unpacked};
 /// Dots of an image for each pixel of a canvas: 300 dots an inch.
 const DENSITY: f32 = 300.0 / 96.0;
 
+/// Largest number of dots, which take four bytes each.
+const MOST_DOTS: u64 = 200_000_000;
+
 /// A plot as PNG.
 ///
 /// # Errors
@@ -17,8 +20,9 @@ pub fn png(canvas: &Canvas) -> Result<Vec<u8>, String> {
     let bytes = unpacked()?;
     let font = Font::new(&bytes)?;
     let [width, height] = [canvas.width, canvas.height].map(|length| (length as f32 * DENSITY).round() as u32);
-    let too_large = || format!("an image of {width} by {height} dots is too large");
-    let mut image = Pixmap::new(width, height).ok_or_else(too_large)?;
+    let too_large = || format!("an image of {width} by {height} dots is too large; write it as SVG or PDF");
+    let is_small = u64::from(width) * u64::from(height) <= MOST_DOTS;
+    let mut image = is_small.then(|| Pixmap::new(width, height)).flatten().ok_or_else(too_large)?;
     image.fill(Color::WHITE);
     for shape in &canvas.shapes {
         draw(&mut image, shape, &font);

@@ -68,11 +68,12 @@ pub fn check(source: &JobSource, arguments: &CheckArguments) -> Result<(), Failu
         1 => String::new(),
         several => format!(", {several} combinations of alternatives in each"),
     };
+    let all = if arguments.all { format!("\n{}", job.normalised()) } else { String::new() };
     result(&format!(
         "# {path} is valid, with imprecise inputs:\n{quantities}# {}{combinations}\n# `stickslip bounds {}` finds the lower and upper probability of each cell\n{}",
         counted(first.cells().into(), "cell", "cells"),
         quoted(&source.path),
-        arguments.all.then(|| format!("\n{}", job.normalised())).unwrap_or_default()
+        all
     ))
 }
 
