@@ -25,6 +25,9 @@ ASIDE = {"tests", "test", "examples", "benches", "fuzz", "docs", "target"}
 #: licence holds no name of an author. That of MIT does: it is given the authors that the crate names.
 STANDARD = {"Apache-2.0": "LICENSE-APACHE", "MIT": "LICENSE-MIT"}
 
+#: The version of the fonts that are in the program.
+DEJAVU = "2.37"
+
 #: The names of notices of work that a crate took over from others, such as COPYING.LAPACK.BSD.
 TAKEN_OVER = re.compile(r".*\.[A-Z][A-Z0-9_]*\.[A-Z][A-Z0-9]*")
 
@@ -83,12 +86,9 @@ def embedded() -> list[Part]:
         raise PackagingError("the head of plotly-cartesian.min.js.gz names no version")
     texts = {"LICENSE": _text(report / "plotly-license.txt")}
     parts = [Part("plotly.js", plotly[1], "MIT", f"pkg:npm/plotly.js@{plotly[1]}", texts)]
-    for package in _metadata()["packages"]:
-        if package["name"] == "kuva":
-            fonts = Path(package["manifest_path"]).parent / "assets" / "fonts"
-            texts = {"LICENSE": _text(fonts / "LICENSE")}
-            url = f"pkg:generic/dejavu-fonts?from=kuva%40{package['version']}"
-            parts.append(Part("DejaVu fonts", f"of kuva {package['version']}", "Bitstream-Vera", url, texts))
+    fonts = REPOSITORY / "crates" / "runner" / "src" / "plot" / "font"
+    texts = {"LICENSE": _text(fonts / "dejavu-license.txt")}
+    parts.append(Part("DejaVu fonts", DEJAVU, "Bitstream-Vera", f"pkg:generic/dejavu-fonts@{DEJAVU}", texts))
     return parts
 
 

@@ -222,6 +222,21 @@ fn imprecise_jobs_are_described_by_check_and_refused_elsewhere() {
     ] {
         assert!(printed.contains(text), "{text}: {printed}");
     }
+    // With every key, it is a job that is imprecise in the same.
+    let all = place.run("check rough.toml --all").done().stdout;
+    for text in [
+        "preload = [0.1, 0.2]\n",
+        "static_friction = { between = [0.37, 0.39] }\n",
+        "{ preload = { one_of = [\"normal\", \"gumbel\"] } }\n",
+        "stribeck_velocity = 0.72\n",
+    ] {
+        assert!(all.contains(text), "{text}: {all}");
+    }
+    place.write("all.toml", &all);
+    let described = |text: &str| text.lines().skip(1).take(3).map(str::to_owned).collect::<Vec<_>>();
+    let mut again = [&printed, &place.run("check all.toml").done().stdout].map(|text| described(text));
+    again.iter_mut().for_each(|lines| lines.sort_unstable());
+    assert_eq!(again[0], again[1]);
     let printed: Value = serde_json::from_str(&place.run("check rough.toml --json").done().stdout).unwrap();
     assert_eq!(printed["imprecise"][0]["between"], serde_json::json!([0.37, 0.39]));
     for command in ["submit rough.toml", "limit rough.toml --of preload --probability 0.1"] {

@@ -346,7 +346,9 @@ fn the_picture_shows_the_shares_of_the_tests_and_the_fitted_probabilities() {
 #[test]
 fn what_cannot_be_drawn_is_refused_before_the_fit() {
     let place = place(VERDICTS);
-    place.run("fit data.csv --job job.toml --plot fit.pdf").refused(64, &["SVG or PNG", "fit.svg or fit.png"]);
+    place.run("fit data.csv --job job.toml --plot fit.pdf").done();
+    assert!(fs::read(place.path("fit.pdf")).unwrap().starts_with(b"%PDF-"));
+    place.run("fit data.csv --job job.toml --plot fit.gif").refused(64, &["SVG, PDF or PNG", "fit.svg or fit.pdf or"]);
     place
         .run("fit data.csv --job job.toml --plot none/fit.svg --out new.toml")
         .refused(73, &["there is no directory none"]);

@@ -78,6 +78,37 @@ fn a_surface_is_drawn_as_svg_and_png_with_its_axes_levels_and_boundary() {
     assert_eq!(fs::read_to_string(place.path("again.svg")).unwrap(), svg);
     place.run("plot plane --columns 1 --out narrow.png").done();
     assert!(size(&fs::read(place.path("narrow.png")).unwrap()).0.abs_diff(992) <= 1);
+    // Notes that are too long for the figure go on in the next line.
+    place.run("plot plane --columns 1 --out narrow.svg").done();
+    let narrow = fs::read_to_string(place.path("narrow.svg")).unwrap();
+    let notes = narrow.split("<text ").filter(|text| text.contains("font-size=\"7\"") && text.contains("#707070"));
+    let notes: Vec<&str> = notes.map(|text| text.split(['<', '>']).nth(1).unwrap()).collect();
+    assert!(notes.len() > 2 && notes.iter().all(|note| note.len() < 80), "{notes:?}");
+}
+
+#[test]
+fn a_page_has_the_size_of_the_figure_and_the_same_bytes_each_time() {
+    let place = Place::new();
+    submitted(&place, "plane", &job("plane", PLANE, 300));
+    for (columns, millimetres) in [(2, 174.0), (1, 84.0)] {
+        for file in ["figure.svg", "first.pdf", "second.pdf"] {
+            let printed = place.run(&format!("plot plane --columns {columns} --out {file}")).done().stdout;
+            assert_eq!(printed, format!("{file}\n"));
+        }
+        let page = fs::read(place.path("first.pdf")).unwrap();
+        assert!(page == fs::read(place.path("second.pdf")).unwrap(), "the same run gives the same bytes");
+        assert!(page.starts_with(b"%PDF-"));
+        let text = String::from_utf8_lossy(&page);
+        assert_eq!(text.matches("/Type /Page\n").count(), 1);
+        assert!(!text.contains("Date"));
+        let corners = text.split_once("/MediaBox [0 0 ").unwrap().1.split_once(']').unwrap().0;
+        let corner: Vec<f64> = corners.split(' ').map(|length| length.parse().unwrap()).collect();
+        let svg = fs::read_to_string(place.path("figure.svg")).unwrap();
+        let pixels = svg.split_once("viewBox=\"0 0 ").unwrap().1.split_once('"').unwrap().0;
+        let pixels: Vec<f64> = pixels.split(' ').map(|length| length.parse().unwrap()).collect();
+        assert!((corner[0] - millimetres / 25.4 * 72.0).abs() < 0.01, "{corner:?}");
+        assert!((corner[1] - 0.75 * pixels[1]).abs() < 0.01, "{corner:?} {pixels:?}");
+    }
 }
 
 #[test]
@@ -388,16 +419,62 @@ fn a_motion_is_drawn_from_its_file() {
         .done();
     assert_eq!(place.run("plot motion.parquet").done().stdout, "motion.svg\nmotion.png\n");
     let svg = fs::read_to_string(place.path("motion.svg")).unwrap();
-    for text in
-        ["Time t (", "Tangential displacement x (", "Tangential velocity x′ (", "Friction force (", "Contact force ("]
-    {
+    for text in ["Time t (", "Tangential displacement x (", "Tangential velocity x′ (", "Friction force ("] {
         assert!(svg.contains(text), "{text}");
     }
     for text in ["Spectrum of x in the second half", "Frequency (", "Amplitude of x (mm)"] {
         assert!(svg.contains(text), "{text}");
     }
-    // A frame in each of the six panels and a line, in pieces where it leaves the panel.
-    assert!(svg.matches("<polyline").count() + svg.matches("<path").count() >= 12, "{svg}");
+    // A frame in each of the four panels and a line, in pieces where it leaves the panel. Nothing moves the disc.
+    assert!(svg.matches("<polyline").count() + svg.matches("<path").count() >= 8, "{svg}");
+    assert!(!svg.contains("Contact force") && !svg.contains("Normal displacement"));
+    let flexible = "trajectory --disc flexible --horizon 60 --out flexible.parquet";
+    place.run(flexible).done();
+    place.run("plot flexible.parquet").done();
+    let svg = fs::read_to_string(place.path("flexible.svg")).unwrap();
+    assert!(svg.contains("Contact force (") && svg.contains("Normal displacement y"));
+}
+
+#[test]
+fn a_part_of_a_motion_is_drawn_under_a_title() {
+    let place = Place::new();
+    place.run("trajectory --disc rigid --horizon 100 --out motion.parquet").done();
+    place.run("plot motion.parquet --from 0.002 --to 0.004 --title Squeal --out part.svg").done();
+    let svg = fs::read_to_string(place.path("part.svg")).unwrap();
+    for text in [">Squeal<", ">Spectrum of x in this time<", ">2.5<", ">3.5<", ">Time t (ms)<"] {
+        assert!(svg.contains(text), "{text}");
+    }
+    assert!(!svg.contains(">1.5<") && !svg.contains(">4.5<"), "times outside");
+    place.run("plot motion.parquet --from 0.008 --out end.svg").done();
+    submitted(&place, "plane", &job("plane", PLANE, 100));
+    for (options, why) in [
+        ("motion.parquet --from 1", "--from 1 is not before its end at 0.009"),
+        ("motion.parquet --to 1", "--to 1 is after its end at 0.009"),
+        ("motion.parquet --from 0.004 --to 0.002", "--from 0.004 is not before --to 0.002"),
+        ("motion.parquet --from 0.004 --to 0.0040001", "a picture needs 10"),
+        ("motion.parquet --from=-1", "a time is a number of seconds"),
+        ("motion.parquet --to 2ms", "a time is a number of seconds"),
+        ("motion.parquet --at preload=1", "--at is for the probability of a run"),
+        ("plane --from 0.1", "--from and --to choose the time of a motion"),
+    ] {
+        place.run(&format!("plot {options}")).refused(64, &[why]);
+    }
+}
+
+#[test]
+fn many_slices_make_a_figure_of_a_page_spread_over_their_axis() {
+    let place = Place::new();
+    let axes = "rotating_speed = { from = 2.0, to = 20.0, points = 19 }\npreload = { from = 0.05, to = 0.3, points = 20 }\nstatic_friction = { from = 0.3, to = 0.5, points = 21 }";
+    submitted(&place, "many", &job("many", axes, 20));
+    let drawn = place.run("plot many --columns 1 --out many.svg").done();
+    let said = "19 panels are too many for one figure; those with 12 of the 19 values of rotating_speed are drawn. `--at rotating_speed=VALUE` draws any other";
+    assert!(drawn.stderr.contains(said), "{}", drawn.stderr);
+    let svg = fs::read_to_string(place.path("many.svg")).unwrap();
+    assert_eq!(svg.matches(" rad/s; relative std").count(), 12);
+    assert!(svg.contains(">2 rad/s; ") && svg.contains(">20 rad/s; "), "both ends");
+    let height: f64 = svg.split_once("viewBox=\"0 0 ").unwrap().1.split(['"', ' ']).nth(1).unwrap().parse().unwrap();
+    assert!(height < 4000.0, "{height}");
+    assert!(place.run("plot many --at rotating_speed=3 --out one.svg").done().stderr.is_empty());
 }
 
 #[test]
@@ -407,7 +484,7 @@ fn what_cannot_be_drawn_is_said() {
     place.run("plot other.parquet").refused(74, &["other.parquet", "stickslip trajectory --out"]);
     submitted(&place, "plane", &job("plane", PLANE, 100));
     place.run("plot nowhere").refused(74, &["nowhere is not a run directory"]);
-    place.run("plot plane --out plot.gif").refused(64, &["SVG or PNG", "plot.svg"]);
+    place.run("plot plane --out plot.gif").refused(64, &["SVG, PDF or PNG", "plot.svg or plot.pdf or plot.png"]);
     submitted(&place, "single", &job("single", "rotating_speed = 15.0\npreload = 0.1\nstatic_friction = 0.39", 1000));
     place
         .run("plot single")
@@ -452,6 +529,8 @@ fn a_plot_shows_chosen_values_a_target_and_a_title() {
         place.run(&format!("plot {options} --out figure.svg")).done();
         fs::read_to_string(place.path("figure.svg")).unwrap()
     };
+    let few = "rotating_speed = 15.0\npreload = [0.1, 0.2]\nstatic_friction = [0.3, 0.4]";
+    submitted(&place, "few", &job("few", few, 300));
     // One speed of three has one panel, whose heading names it.
     let held = drawn("three --at rotating_speed=15");
     assert_eq!(held.matches(">Preload Δ<").count(), 1);
@@ -466,7 +545,12 @@ fn a_plot_shows_chosen_values_a_target_and_a_title() {
     assert!(drawn("aimed").contains(">P = 0.07<") && drawn("aimed --target 0.03").contains(">P = 0.03<"));
     let titled = drawn("one --title Mine");
     assert!(titled.contains(">Mine<") && !titled.contains("15 rad/s"));
+    // The difference of two runs, too.
+    let difference = drawn("three --against three --at rotating_speed=15 --title Mine");
+    assert_eq!(difference.matches(">Preload Δ<").count(), 1);
+    assert!(difference.contains(">Mine<"));
     for (options, why) in [
+        ("few --at preload=0.1 --at static_friction=0.4", "--at leaves a single cell of few: its probability of"),
         ("three --at rotating_speed=14", "has no value 14 in the run; the nearest is 15"),
         ("three --at speed=15", "speed is no axis of the run, whose axes are rotating_speed, preload, static_friction"),
         ("three --at rotating_speed", "rotating_speed=15"),
@@ -605,6 +689,8 @@ fn recorded_results_are_drawn_over_an_axis_and_in_a_cell() {
         .refused(64, &["does not record it", "critical_speed"]);
     place.write("seen.toml", SEEN);
     place.run("plot seen.toml --of distribution").refused(64, &["submit the job"]);
+    place.run("plot seen.toml --title Inputs").refused(64, &["--title is for the probability of a run"]);
+    place.run("plot seen.toml --from 0.1").refused(64, &["need a file that trajectory or replay wrote"]);
     submitted(&place, "plain", &SEEN.replace("record", "# record"));
     place.run("plot plain --of distribution").refused(65, &["records nothing", "criterion.record"]);
     place.run("plot plain --of sobol --samples 5").refused(64, &["--samples is for"]);

@@ -81,7 +81,7 @@ class Motion:
         columns
             Columns of a paper that the figure fills, 2 by default.
         out
-            One file, SVG or PNG by its name. By default both are drawn into a temporary folder, which is deleted with
+            One file, SVG, PDF or PNG by its name. By default SVG and PNG are drawn into a temporary folder, which is deleted with
             this object.
         """
         options = [] if columns is None else [f"--columns={columns}"]

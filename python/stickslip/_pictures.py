@@ -15,23 +15,24 @@ class Plot:
 
     Attributes
     ----------
-    svg, png : pathlib.Path or None
+    svg, png, pdf : pathlib.Path or None
         Its files.
     """
 
-    def __init__(self, svg: Path | None, png: Path | None) -> None:
+    def __init__(self, svg: Path | None, png: Path | None, pdf: Path | None) -> None:
         self.svg = svg
         self.png = png
+        self.pdf = pdf
         # A temporary folder stays as long as something is in use that lies in it.
         self._source: object = None
 
     @classmethod
     def _of(cls, files: list[Path]) -> Plot:
         by_ending = {file.suffix.lower(): file for file in files}
-        return cls(by_ending.get(".svg"), by_ending.get(".png"))
+        return cls(by_ending.get(".svg"), by_ending.get(".png"), by_ending.get(".pdf"))
 
     def __repr__(self) -> str:
-        return f"stickslip.Plot({', '.join(str(file) for file in (self.svg, self.png) if file)})"
+        return f"stickslip.Plot({', '.join(str(file) for file in (self.svg, self.png, self.pdf) if file)})"
 
     def _repr_mimebundle_(self, include: Any = None, exclude: Any = None) -> dict[str, str]:
         bundle = {"text/plain": repr(self)}

@@ -299,7 +299,7 @@ def fit(
     out
         A new file for the job with the estimates in place.
     plot
-        A file, SVG or PNG, for a picture of the tests and the fit.
+        A file, SVG, PDF or PNG, for a picture of the tests and the fit.
 
     Returns
     -------

@@ -240,7 +240,7 @@ class Run:
         columns
             Columns of a paper that the figure fills: 1 is 84 mm wide, 2 (the default) are 174 mm.
         out
-            One file, SVG or PNG by its name; by default both in the run directory.
+            One file, SVG, PDF or PNG by its name; by default SVG and PNG in the run directory.
 
         Returns
         -------

@@ -14,9 +14,11 @@ mod pad_on_disc;
 
 mod reduction;
 
+mod plot;
+
 use std::path::PathBuf;
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
 
 pub use self::decisions::{BoundsArguments, LimitArguments};
@@ -25,10 +27,11 @@ pub use self::pad_on_disc::{
     AllotmentArgument, AnalyseArguments, BrakeArguments, DiscArgument, EstimateArgument, FitArguments, MotionArguments,
     ParametersArguments, TrajectoryArguments,
 };
+pub use self::plot::{PlotArguments, PlotQuantity};
 pub use self::reduction::ReduceArguments;
 pub use self::start::StartArgument;
 pub use self::threads::ThreadsArgument;
-use self::values::{axis_value, html_file, parquet_file, plot_file, probability, seed, whole_number};
+use self::values::{html_file, parquet_file, probability, seed, whole_number};
 use crate::export::format::Format;
 use crate::job::MOST_SHARDS;
 use crate::messages::Form;
@@ -83,7 +86,7 @@ pub enum Command {
     Bounds(BoundsArguments),
     /// Reduce the matrices of a job to few coordinates, and say what that costs
     Reduce(ReduceArguments),
-    /// Draw the result of a finished run, or a simulated motion, as SVG and PNG
+    /// Draw the result of a finished run, or a simulated motion, as SVG, PDF and PNG
     Plot(PlotArguments),
     /// Write a report of a finished run: one HTML file with interactive pictures
     Report(ReportArguments),
@@ -267,82 +270,6 @@ pub struct CompareArguments {
     pub json: bool,
     #[command(flatten)]
     pub threads: ThreadsArgument,
-}
-
-/// Arguments of `plot`.
-#[derive(Debug, Args)]
-pub struct PlotArguments {
-    /// The run directory, a job to see its random inputs or with --of its samples and modes, or a time series that
-    /// trajectory or replay wrote
-    #[arg(value_name = "RUN_DIR|JOB.toml|FILE.parquet")]
-    pub run: PathBuf,
-    /// What of the run to draw
-    #[arg(long, value_name = "QUANTITY", value_enum, default_value_t = PlotQuantity::Probability)]
-    pub of: PlotQuantity,
-    /// The cell to draw: with --of sobol [default: all of few cells, else the one whose probability is nearest 0.5], with
-    /// what is drawn of one cell [default: the middle of the axes]
-    #[arg(long, value_name = "N")]
-    pub cell: Option<u64>,
-    /// The recorded result: with --of sobol the one whose variance is shared out [default: the verdict], with --of
-    /// distribution the one that is drawn [default: the first]
-    #[arg(long, value_name = "NAME")]
-    pub result: Option<String>,
-    /// With --of samples: the random input or recorded result that runs across [default: the first input]
-    #[arg(long, value_name = "NAME")]
-    pub x: Option<String>,
-    /// With --of samples: the one that runs up [default: the second input]
-    #[arg(long, value_name = "NAME")]
-    pub y: Option<String>,
-    /// With --of samples and convergence: how many samples to draw [default: 2000, 200 of models that take long; with
-    /// convergence those of the job]
-    #[arg(long, value_name = "N", value_parser = whole_number)]
-    pub samples: Option<u64>,
-    /// With --of modes: the parameter over which to draw them [default: the longest axis of the job, else that of friction]
-    #[arg(long, value_name = "NAME")]
-    pub along: Option<String>,
-    /// Draw the difference of the probabilities: those of the run minus those of this one, which has the same axes
-    #[arg(long, value_name = "RUN_DIR")]
-    pub against: Option<PathBuf>,
-    /// Show one value of an axis alone, for example rotating_speed=15; may be given for several axes
-    #[arg(long, value_name = "AXIS=VALUE", value_parser = axis_value)]
-    pub at: Vec<(String, f64)>,
-    /// Draw the line of this probability, in place of the job's target
-    #[arg(long, value_name = "P", value_parser = probability)]
-    pub target: Option<f64>,
-    /// What to write above the figure, in place of what its cells share
-    #[arg(long, value_name = "TEXT")]
-    pub title: Option<String>,
-    /// Write one file, SVG or PNG by its name [default: both in the run directory, or beside the file]
-    #[arg(long, value_name = "FILE", value_parser = plot_file)]
-    pub out: Option<PathBuf>,
-    /// Columns of a paper that the figure fills: 1 is 84 mm wide, 2 are 174 mm
-    #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=2))]
-    pub columns: u8,
-    #[command(flatten)]
-    pub threads: ThreadsArgument,
-}
-
-/// What a plot shows of a run.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum PlotQuantity {
-    /// The probability of instability
-    Probability,
-    /// The Sobol indices of the inputs, of a job with sensitivity = true
-    Sobol,
-    /// The verdict maps, of a job with evaluate = "boundary", or method = "exact" and a criterion other than "eigenvalue"
-    Verdicts,
-    /// Frequencies and damping ratios over a parameter, of a model given by matrices
-    Modes,
-    /// The frequencies of unstable samples of a cell, of a model given by matrices: which modes make the probability
-    SquealFrequencies,
-    /// The distributions of the random inputs of a cell, and where they leave the model; needs no run
-    Inputs,
-    /// Stable and unstable samples of a cell over two of their inputs or recorded results; needs no run
-    Samples,
-    /// The probability of a cell over the number of its samples; needs no run
-    Convergence,
-    /// The distribution of a recorded result: its quantiles over an axis, or of one cell
-    Distribution,
 }
 
 /// Arguments of `report`.

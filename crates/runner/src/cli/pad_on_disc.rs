@@ -141,7 +141,7 @@ pub struct FitArguments {
     /// Write a job with the estimates in place
     #[arg(long, value_name = "NEW_JOB.toml")]
     pub out: Option<PathBuf>,
-    /// Draw the tests and the fitted probability of squeal over the speed, as SVG or PNG by the name of the file
+    /// Draw the tests and the fitted probability of squeal over the speed, as SVG, PDF or PNG by the name of the file
     #[arg(long, value_name = "FILE", value_parser = plot_file)]
     pub plot: Option<PathBuf>,
     /// Print JSON

@@ -25,6 +25,12 @@ pub fn probability(text: &str) -> Result<f64, String> {
     probability.ok_or_else(|| "a probability is greater than 0 and less than 1, for example 0.01 for 1 %".to_owned())
 }
 
+/// A time since the start of a motion.
+pub fn seconds(text: &str) -> Result<f64, String> {
+    let time = text.parse().ok().filter(|&time: &f64| time >= 0.0 && time.is_finite());
+    time.ok_or_else(|| "a time is a number of seconds since the start of the motion, for example 0.002".to_owned())
+}
+
 /// An axis with a value on it.
 pub fn axis_value(text: &str) -> Result<(String, f64), String> {
     let parts = text.split_once('=').map(|(name, value)| (name.trim().to_owned(), value.trim().parse::<f64>()));
@@ -46,7 +52,7 @@ pub fn html_file(text: &str) -> Result<PathBuf, String> {
 
 /// The path of a file that a plot can be written to.
 pub fn plot_file(text: &str) -> Result<PathBuf, String> {
-    file_named(text, "a plot is written as SVG or PNG", &["svg", "png"])
+    file_named(text, "a plot is written as SVG, PDF or PNG", &["svg", "pdf", "png"])
 }
 
 /// A path with one of the extensions. A directory is refused later, with a message of its own.

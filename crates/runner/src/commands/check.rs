@@ -36,7 +36,7 @@ pub fn check(arguments: &CheckArguments) -> Result<(), Failure> {
     let begun = Instant::now();
     let source = JobSource::read(&arguments.job)?;
     if source.is_imprecise() {
-        return bounds::check(&source, arguments.json);
+        return bounds::check(&source, arguments);
     }
     let job = source.job()?;
     source.require_options_for_jobs(&job)?;

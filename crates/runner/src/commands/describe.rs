@@ -33,8 +33,17 @@ pub fn completions(arguments: &CompletionsArguments) -> Result<(), Failure> {
     result(&match arguments.shell {
         // The value follows without a space.
         Shell::Bash => script.replace("--set)\n", "--set)\n                    compopt -o nospace 2> /dev/null\n"),
+        Shell::Zsh => script.lines().map(without_space).collect(),
         _ => script,
     })
+}
+
+/// A line of a script for zsh, after whose keys no space follows: they are added by a command, not as a list.
+fn without_space(line: &str) -> String {
+    match line.split_once(":KEY=VALUE:(").and_then(|(before, rest)| Some((before, rest.split_once(')')?))) {
+        Some((before, (keys, after))) => format!("{before}:KEY=VALUE:compadd -S \"\" -- {keys}{after}\n"),
+        None => format!("{line}\n"),
+    }
 }
 
 /// `stickslip man`: the main page, then one for each command, in one text or in files of their own.

@@ -14,14 +14,15 @@ use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::job::Job;
 use crate::output::{note, result, shown};
-use crate::picture::view::{GridView, MOST_PANELS, rounded};
+use crate::picture::panels::{MOST_PANELS, left_out};
+use crate::picture::view::{GridView, rounded};
 use crate::plot::area::step_of;
 use crate::plot::canvas::Canvas;
 use crate::plot::cells;
 use crate::plot::difference::Difference;
 use crate::plot::drawing::{WIDTHS, write};
 use crate::plot::form::Form;
-use crate::plot::motion;
+use crate::plot::motion::{self, Excerpt};
 use crate::plot::sobol::Sobol;
 use crate::plot::surface;
 use crate::plot::values::Values;
@@ -36,7 +37,9 @@ pub fn plot(arguments: &PlotArguments, interrupt: &Interrupt) -> Result<(), Fail
     let (canvas, beside) = if is_of_a_cell(arguments) {
         cell::figure(arguments, width, interrupt)?
     } else if arguments.run.is_file() && !is_of_modes(arguments.of) {
-        (motion::figure(&arguments.run, width)?, arguments.run.clone())
+        let PlotArguments { from, to, title, .. } = arguments;
+        let excerpt = Excerpt { from: *from, to: *to, title: title.as_deref() };
+        (motion::figure(&arguments.run, excerpt, width)?, arguments.run.clone())
     } else {
         of_run(arguments, width, interrupt)?
     };
@@ -102,17 +105,23 @@ fn check(arguments: &PlotArguments) -> Result<(), Failure> {
                 .to_owned(),
         ));
     }
-    let of_cells = [
-        ("--at", !arguments.at.is_empty()),
-        ("--target", arguments.target.is_some()),
-        ("--title", arguments.title.is_some()),
-    ];
-    if let Some((option, _)) = of_cells.iter().find(|(_, is_given)| *is_given)
-        && (!is_probability || arguments.against.is_some() || arguments.run.is_file())
-    {
-        return Err(Failure::Usage(format!(
-            "{option} is for the probability of a run; leave it out, or --of and --against"
-        )));
+    let is_of_run = is_probability && !arguments.run.is_file();
+    let is_motion = is_probability && arguments.run.is_file() && !of_a_cell;
+    if !arguments.at.is_empty() && !is_of_run {
+        let message = "--at is for the probability of a run and for --against; leave it out, or --of";
+        return Err(Failure::Usage(message.to_owned()));
+    }
+    if arguments.target.is_some() && (!is_of_run || arguments.against.is_some()) {
+        let message = "--target is for the probability of a run; leave it out, or --of and --against";
+        return Err(Failure::Usage(message.to_owned()));
+    }
+    if arguments.title.is_some() && !is_of_run && !is_motion {
+        let message = "--title is for the probability of a run, for --against and for motions; leave it out, or --of";
+        return Err(Failure::Usage(message.to_owned()));
+    }
+    if arguments.from.or(arguments.to).is_some() && !is_motion {
+        let message = "--from and --to choose the time of a motion, and need a file that trajectory or replay wrote";
+        return Err(Failure::Usage(message.to_owned()));
     }
     if arguments.result.is_some() && !matches!(arguments.of, PlotQuantity::Sobol | PlotQuantity::Distribution) {
         return Err(Failure::Usage(
@@ -138,10 +147,11 @@ fn check(arguments: &PlotArguments) -> Result<(), Failure> {
 fn of_run(arguments: &PlotArguments, width: f64, interrupt: &Interrupt) -> Result<(Canvas, PathBuf), Failure> {
     let run = &arguments.run;
     if let Some(against) = &arguments.against {
-        let difference = difference(run, against, arguments.threads.count(), interrupt)?;
-        let canvas = difference.figure(width).ok_or_else(|| {
-            let value = [difference.values[0], Some(difference.low[0]), Some(difference.high[0])];
-            single_cell(run, &difference.job, "the difference of its probabilities", value)
+        let difference = difference(arguments, against, interrupt)?;
+        let view = view_of(&difference.job, arguments)?;
+        let canvas = difference.figure(&view, width).ok_or_else(|| {
+            let Difference { values, low, high, .. } = &difference;
+            single_cell(run, &difference.job, &view, "the difference of its probabilities", (values, low, high))
         })?;
         return Ok((canvas, run.join("difference")));
     }
@@ -149,11 +159,8 @@ fn of_run(arguments: &PlotArguments, width: f64, interrupt: &Interrupt) -> Resul
         PlotQuantity::Probability => {
             let mut values = Values::read(run)?;
             values.job.target = arguments.target.or(values.job.target);
-            let mut view = GridView::new(&values.job).titled(arguments.title.clone());
-            for (name, value) in &arguments.at {
-                view.hold(name, *value).map_err(|why| Failure::Usage(format!("--at {name}={value}: {why}")))?;
-            }
-            note_panels(view.slices());
+            let view = view_of(&values.job, arguments)?;
+            left_out(&view).iter().for_each(|what| note(format_args!("{what}")));
             if !values.is_certain() {
                 note_steps(&view);
             }
@@ -164,8 +171,7 @@ fn of_run(arguments: &PlotArguments, width: f64, interrupt: &Interrupt) -> Resul
             };
             let canvas = canvas.ok_or_else(|| {
                 let Values { probability, low, high, .. } = &values;
-                let value = [probability[0], Some(low[0]), Some(high[0])];
-                single_cell(run, &values.job, "its probability of instability", value)
+                single_cell(run, &values.job, &view, "its probability of instability", (probability, low, high))
             })?;
             Ok((canvas, run.join("surface")))
         }
@@ -177,7 +183,12 @@ fn of_run(arguments: &PlotArguments, width: f64, interrupt: &Interrupt) -> Resul
         }
         PlotQuantity::Verdicts => {
             let maps = VerdictMaps::read(run)?;
-            note_panels(maps.panels());
+            if maps.panels() > MOST_PANELS {
+                note(format_args!(
+                    "{} panels are too many for one figure; {MOST_PANELS} of them are drawn, from the first to the last",
+                    maps.panels()
+                ));
+            }
             Ok((maps.figure(width), run.join("verdicts")))
         }
         // What shows a cell is not drawn here.
@@ -185,11 +196,13 @@ fn of_run(arguments: &PlotArguments, width: f64, interrupt: &Interrupt) -> Resul
     }
 }
 
-/// Says how many panels are left out.
-fn note_panels(slices: usize) {
-    if slices > MOST_PANELS {
-        note(format_args!("{slices} panels are too many for one figure; the first {MOST_PANELS} are drawn"));
+/// The view of a job's grid that is asked for.
+fn view_of(job: &Job, arguments: &PlotArguments) -> Result<GridView, Failure> {
+    let mut view = GridView::new(job).titled(arguments.title.clone());
+    for (name, value) in &arguments.at {
+        view.hold(name, *value).map_err(|why| Failure::Usage(format!("--at {name}={value}: {why}")))?;
     }
+    Ok(view)
 }
 
 /// Says which axes of an area have more values than a figure shows.
@@ -207,13 +220,19 @@ fn note_steps(view: &GridView) {
     }
 }
 
-/// The failure of a run that has nothing to draw: a number with the ends of its interval.
-fn single_cell(run: &Path, job: &Job, what: &str, value: [Option<f64>; 3]) -> Failure {
-    let [value, low, high] = value.map(|value| value.map(rounded));
-    let known = value.zip(low.zip(high)).map_or_else(
+/// The values of all cells with the ends of their intervals.
+type Known<'a> = (&'a [Option<f64>], &'a [f64], &'a [f64]);
+
+/// The failure of a view that has nothing to draw: the number of its cell with the ends of its interval.
+fn single_cell(run: &Path, job: &Job, view: &GridView, what: &str, (values, low, high): Known<'_>) -> Failure {
+    let cell = view.slice(0).first as usize;
+    let known = values[cell].map_or_else(
         || "no sample of it is decided".to_owned(),
-        |(value, (low, high))| format!("{what} is {value} ({low} to {high})"),
+        |value| format!("{what} is {} ({} to {})", rounded(value), rounded(low[cell]), rounded(high[cell])),
     );
+    if job.cells() > 1 {
+        return Failure::Usage(format!("--at leaves a single cell of {}: {known}. Leave an axis out", run.display()));
+    }
     Failure::Job(format!(
         "{} has a single cell: {known}. A plot needs several; give a quantity in [axes] more than one value, for example {} = {{ from = ..., to = ..., points = 26 }}",
         run.display(),
@@ -222,15 +241,16 @@ fn single_cell(run: &Path, job: &Job, what: &str, value: [Option<f64>; 3]) -> Fa
 }
 
 /// The difference of a run and another with the same axes, as `compare` finds it.
-fn difference(run: &Path, against: &Path, threads: usize, interrupt: &Interrupt) -> Result<Difference, Failure> {
+fn difference(arguments: &PlotArguments, against: &Path, interrupt: &Interrupt) -> Result<Difference, Failure> {
+    let run = arguments.run.as_path();
     let jobs = [run, against].map(|run| FinishedSurface::open(run).map(|surface| surface.job));
     let [job, other] = jobs;
     let (job, other) = (job?, other?);
     require_same_axes([run, against], [&job, &other])?;
-    let view = GridView::new(&job);
-    note_panels(view.slices());
+    let view = view_of(&job, arguments)?;
+    left_out(&view).iter().for_each(|what| note(format_args!("{what}")));
     note_steps(&view);
-    let engine = Engine::new(threads)?;
+    let engine = Engine::new(arguments.threads.count())?;
     let runs = [Run::open(against)?, Run::open(run)?];
     let compared = differences_of(&runs, CONFIDENCE, false, &engine, interrupt)?;
     let rows = compared.first().map_or(&[][..], |differences| &differences.rows);

@@ -72,6 +72,8 @@ mod imprecise;
 
 mod normalised;
 
+mod imprecise_written;
+
 mod identity;
 
 mod source;

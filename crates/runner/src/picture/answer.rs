@@ -20,7 +20,9 @@ pub fn answer(job: &Job, cells: &[Estimate]) -> String {
     }
     let high: Vec<f64> = cells.iter().map(|cell| cell.probability.map_or(f64::NAN, |_| cell.high)).collect();
     let counts = LIMITS.map(|limit| high.iter().filter(|high| **high < limit).count());
-    let sure = format!("({})", job.sampling.method.upper_ends(&job.sampling));
+    // A target explains P already.
+    let name = if job.target.is_none() { "; P is the probability of instability" } else { "" };
+    let sure = format!("({}{name})", job.sampling.method.upper_ends(&job.sampling));
     let [one, five, fifty] = counts;
     let view = GridView::new(job);
     let first = job.target.map_or_else(String::new, |target| of_target(job, &view, &high, target));
@@ -30,7 +32,10 @@ pub fn answer(job: &Job, cells: &[Estimate]) -> String {
     if total == 1 {
         let limit = LIMITS.into_iter().zip(counts).find(|(_, count)| *count == 1);
         let below = |(limit, _): (f64, usize)| format!("P is below {} {sure}.\n", percent(limit));
-        return limit.map_or_else(|| format!("P is not surely below {}.\n", percent(LIMITS[2])), below);
+        return limit.map_or_else(
+            || format!("The probability of instability P is not surely below {}.\n", percent(LIMITS[2])),
+            below,
+        );
     }
     let mut text = format!(
         "{first}P is below 1 % in {one} of {total} cells, below 5 % in {five}, below 50 % in {fifty} {sure}.\n"
@@ -174,7 +179,7 @@ mod tests {
         let high = [0.0, 0.001, 0.004, 0.001, 0.02, 0.03, 0.1, 0.2, 0.49, 0.3, 0.6, 0.9];
         assert_eq!(
             answer(&job, &cells(&high)),
-            "P is below 1 % in 4 of 12 cells, below 5 % in 6, below 50 % in 10 (upper ends of the 95 % intervals).\n\
+            "P is below 1 % in 4 of 12 cells, below 5 % in 6, below 50 % in 10 (upper ends of the 95 % intervals; P is the probability of instability).\n\
              P < 1 % for preload up to 0.1, P < 5 % for preload up to 0.2, P < 50 % for preload up to 0.3, whatever the other axes.\n"
         );
         assert!(!answer(&job, &cells(&[0.9; 12])).contains("whatever"));
@@ -225,7 +230,10 @@ mod tests {
     #[test]
     fn a_single_cell_has_its_own_sentence() {
         let job = job("rotating_speed = 15.0\npreload = 0.1\nstatic_friction = 0.4");
-        assert_eq!(answer(&job, &cells(&[0.04])), "P is below 5 % (upper ends of the 95 % intervals).\n");
-        assert_eq!(answer(&job, &cells(&[0.7])), "P is not surely below 50 %.\n");
+        assert_eq!(
+            answer(&job, &cells(&[0.04])),
+            "P is below 5 % (upper ends of the 95 % intervals; P is the probability of instability).\n"
+        );
+        assert_eq!(answer(&job, &cells(&[0.7])), "The probability of instability P is not surely below 50 %.\n");
     }
 }

@@ -4,9 +4,10 @@ use anstyle::{Ansi256Color, Style};
 
 use crate::output::{counted, wrapped};
 use crate::picture::chart::{Chart, ChartAxis, Form, Series};
+use crate::picture::panels::MOST_PANELS;
 use crate::picture::scale::Scale;
 use crate::picture::terminal::drawn;
-use crate::picture::view::{GridView, MOST_PANELS, Slice, ViewAxis, is_family, label, rounded};
+use crate::picture::view::{GridView, Slice, ViewAxis, is_family, label, rounded};
 use crate::tables::row::SurfaceRow;
 use crate::tables::surface::Surface;
 
@@ -15,6 +16,8 @@ pub mod scale;
 pub mod title;
 
 pub mod view;
+
+pub mod panels;
 
 pub mod chart;
 
@@ -31,6 +34,9 @@ const MOST_COLUMNS: usize = 60;
 /// Largest number of slices (combinations of the axes that are not shown) that are drawn; of further ones there is the
 /// range of probabilities.
 const MOST_SLICES: usize = 4;
+
+/// Lines of a terminal that the drawings of several slices may take; else the ranges of all slices stand for them.
+const MOST_LINES: usize = 24;
 
 /// Largest number of further slices of which the range of probabilities is listed.
 const MOST_RANGES: usize = 12;
@@ -78,7 +84,10 @@ pub fn picture(surface: &Surface<'_>) -> String {
         Drawing::Text(text) => text,
         Drawing::Chart(chart) => drawn(&chart),
     };
-    drawings(surface).into_iter().map(text).collect()
+    let drawn: String = drawings(surface).into_iter().map(text).collect();
+    let view = GridView::new(surface.job());
+    let slices = view.slices();
+    if slices == 1 || drawn.lines().count() <= MOST_LINES { drawn } else { ranges(surface, &view, 0, slices) }
 }
 
 /// The same in parts.
@@ -91,7 +100,7 @@ pub fn drawings(surface: &Surface<'_>) -> Vec<Drawing> {
         all.push(of_slice(surface, &view, &slice));
     }
     if slices > MOST_SLICES {
-        all.push(Drawing::Text(others(surface, &view, slices)));
+        all.push(Drawing::Text(ranges(surface, &view, MOST_SLICES, slices)));
     }
     all
 }
@@ -123,16 +132,22 @@ fn of_slice(surface: &Surface<'_>, view: &GridView, slice: &Slice<'_>) -> Drawin
     }
 }
 
-/// The slices that are not drawn, each with its range of probabilities.
-fn others(surface: &Surface<'_>, view: &GridView, slices: usize) -> String {
-    let more = counted((slices - MOST_SLICES) as u128, "more slice", "more slices");
-    let drawn = if slices <= MOST_PANELS { "them all".to_owned() } else { format!("the first {MOST_PANELS}") };
-    let mut text = format!("... and {more} in the file; `stickslip plot` draws {drawn}\n");
+/// The slices that are not drawn, each with its range of probabilities; `first` of them all are drawn.
+fn ranges(surface: &Surface<'_>, view: &GridView, first: usize, slices: usize) -> String {
+    let left = (slices - first) as u128;
+    let drawn = if slices <= MOST_PANELS { "them all".to_owned() } else { format!("at most {MOST_PANELS} at once") };
+    let mut text = match first {
+        0 => format!("Probability of instability in {left} slices; `stickslip plot` draws {drawn}\n"),
+        _ => {
+            let more = counted(left, "more slice", "more slices");
+            format!("... and {more} in the file; `stickslip plot` draws {drawn}\n")
+        }
+    };
     text += "Smallest and largest probability:\n";
     let length = |axis: Option<&ViewAxis>| axis.map_or(1, |axis| axis.values.len());
     let has_one_scatter = surface.job().grid.scatters == 1;
-    let listed = slices.min(MOST_SLICES + MOST_RANGES);
-    for number in MOST_SLICES..listed {
+    let listed = slices.min(first + MOST_RANGES);
+    for number in first..listed {
         let slice = view.slice(number);
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
         for up in 0..length(view.vertical()) {

@@ -5,9 +5,6 @@ use stickslip_core::model::quantity::Role;
 use crate::job::Job;
 use crate::picture::title::title;
 
-/// Largest number of slices that a plot draws, each as a panel.
-pub const MOST_PANELS: usize = 60;
-
 /// The least number of values of an axis between which a picture interpolates.
 const LEAST_VALUES: usize = 5;
 
@@ -291,6 +288,11 @@ impl GridView {
     /// The axes whose combinations are the slices.
     fn sliced(&self) -> impl DoubleEndedIterator<Item = usize> {
         (0..self.axes.len()).filter(|&axis| !self.is_shown(axis) && !self.is_held(axis))
+    }
+
+    /// The same axes, of which the last has another value in the next slice.
+    pub fn sliced_axes(&self) -> impl Iterator<Item = &ViewAxis> {
+        self.sliced().map(|axis| &self.axes[axis])
     }
 
     fn is_shown(&self, axis: usize) -> bool {

@@ -1,11 +1,14 @@
 //! Filled contours of a number over two axes, with a colour bar.
 
 use crate::job::Job;
-use crate::picture::view::{GridView, MOST_PANELS, Slice, ViewAxis};
+use crate::picture::panels::drawn_slices;
+use crate::picture::view::{GridView, Slice, ViewAxis};
 use crate::plot::axes::{axis, axis_of_cells, edges_of};
 use crate::plot::canvas::{BLACK, Canvas, GREY, Pen, Place, Rgb, Side, width_of};
 use crate::plot::contours::Field;
-use crate::plot::panel::{ABOVE, Arrangement, Axis, Layout, Panel, RIGHT, SMALL, heading, space_of, write_notes};
+use crate::plot::panel::{
+    ABOVE, Arrangement, Axis, Layout, Panel, RIGHT, SMALL, heading, in_lines, space_of, write_notes,
+};
 
 /// Space for the colour bar.
 const BAR: f64 = 74.0;
@@ -68,19 +71,19 @@ impl Area<'_> {
     /// The figure, with a panel for each combination of the axes that are not shown. `lines` draws what lies on the
     /// colours.
     pub fn figure(&self, width: f64, lines: impl Fn(&mut Canvas, &AreaPanel<'_>)) -> Canvas {
-        let count = self.view.slices().min(MOST_PANELS);
+        let slices = drawn_slices(self.view);
         let right = RIGHT + BAR;
-        let layout =
-            Layout { above: ABOVE, right, below: space_of(&self.notes), aspect: ASPECT, most_columns: usize::MAX };
-        let Arrangement { panels, height } = layout.arrange(count, width);
+        let notes = in_lines(&self.notes, width);
+        let layout = Layout { above: ABOVE, right, below: space_of(&notes), aspect: ASPECT, most_columns: usize::MAX };
+        let Arrangement { panels, height } = layout.arrange(slices.len(), width);
         let mut canvas = Canvas::new(width, height);
-        for (number, panel) in panels.iter().enumerate() {
+        for (number, panel) in slices.into_iter().zip(&panels) {
             self.panel(&mut canvas, panel, self.view.slice(number), &lines);
         }
         if let (Some(first), Some(top_right)) = (panels.first(), panels.iter().map(Panel::right).reduce(f64::max)) {
             self.bar(&mut canvas, Panel { left: top_right + 14.0, width: 13.0, ..*first });
         }
-        write_notes(&mut canvas, &self.notes, (width, height));
+        write_notes(&mut canvas, &notes, (width, height));
         canvas
     }
 

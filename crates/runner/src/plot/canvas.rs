@@ -1,15 +1,11 @@
 //! What plots are drawn on: lines, areas and text at places in pixels, 96 of them an inch.
 
-use kuva::backend::raster::RasterBackend;
 use kuva::backend::svg::SvgBackend;
 use kuva::render::color::Color;
 use kuva::render::render::{PathData, Primitive, Scene, TextAnchor};
 
 /// A place on a canvas, from the left and from the top.
 pub type Place = (f64, f64);
-
-/// Dots of an image for each pixel of the canvas: 300 dots an inch.
-const DENSITY: f32 = 300.0 / 96.0;
 
 /// Width of a letter over the size of its font, on average.
 const LETTER: f64 = 0.58;
@@ -49,9 +45,50 @@ pub enum Side {
     Left,
 }
 
+/// What is drawn.
+#[derive(Debug)]
+pub enum Shape {
+    Line {
+        from: Place,
+        to: Place,
+        pen: Pen,
+    },
+    Lines {
+        points: Vec<Place>,
+        pen: Pen,
+    },
+    /// Polygons filled as one area, with a line of its colour around them if that is wider than 0.
+    Area {
+        polygons: Vec<Vec<Place>>,
+        fill: Rgb,
+        opacity: f64,
+        line: f64,
+    },
+    Dot {
+        at: Place,
+        radius: f64,
+        fill: Rgb,
+    },
+    Text(Text),
+}
+
+/// A text beside a place; the turn is in degrees, clockwise.
+#[derive(Debug)]
+pub struct Text {
+    pub at: Place,
+    pub text: String,
+    pub size: u32,
+    pub side: Side,
+    pub turn: f64,
+    pub fill: Rgb,
+}
+
 /// A plot while it is drawn.
 pub struct Canvas {
-    scene: Scene,
+    pub width: f64,
+    pub height: f64,
+    /// In the order in which they are drawn over each other.
+    pub shapes: Vec<Shape>,
 }
 
 /// The width of a text in a font of this size.
@@ -61,9 +98,7 @@ pub fn width_of(text: &str, size: u32) -> f64 {
 
 impl Canvas {
     pub fn new(width: f64, height: f64) -> Self {
-        let mut scene = Scene::new(width, height).with_background(Some("#ffffff"));
-        scene.font_family = Some("DejaVu Sans, Verdana, Arial, sans-serif".to_owned());
-        Self { scene }
+        Self { width, height, shapes: Vec::new() }
     }
 
     /// The plot as SVG.
@@ -77,9 +112,12 @@ impl Canvas {
     }
 
     fn svg_with(&self, attributes: &str) -> String {
+        let (width, height) = (self.width, self.height);
+        let mut scene = Scene::new(width, height).with_background(Some("#ffffff"));
+        scene.font_family = Some("DejaVu Sans, Verdana, Arial, sans-serif".to_owned());
+        self.shapes.iter().for_each(|shape| scene.add(primitive(shape)));
+        let mut text = SvgBackend::default().render_scene(&scene);
         // With its own coordinates a browser can scale the plot.
-        let Scene { width, height, .. } = self.scene;
-        let mut text = SvgBackend::default().render_scene(&self.scene);
         if let Some(element) = text.find("<svg ") {
             // In place: it may be long.
             text.insert_str(element + "<svg ".len(), &format!("{attributes}viewBox=\"0 0 {width} {height}\" "));
@@ -87,36 +125,14 @@ impl Canvas {
         text
     }
 
-    /// The plot as PNG.
-    ///
-    /// # Errors
-    /// What the drawing crate says of an image that is too large.
-    pub fn png(&self) -> Result<Vec<u8>, String> {
-        RasterBackend::new().with_scale(DENSITY).render_scene(&self.scene)
-    }
-
     pub fn line(&mut self, from: Place, to: Place, pen: Pen) {
-        self.scene.add(Primitive::Line {
-            x1: from.0,
-            y1: from.1,
-            x2: to.0,
-            y2: to.1,
-            stroke: colour(pen.colour),
-            stroke_width: pen.width,
-            stroke_dasharray: None,
-        });
+        self.shapes.push(Shape::Line { from, to, pen });
     }
 
     pub fn lines(&mut self, points: &[Place], pen: Pen) {
-        if points.len() < 2 {
-            return;
+        if points.len() > 1 {
+            self.shapes.push(Shape::Lines { points: points.to_vec(), pen });
         }
-        self.scene.add(Primitive::PolyLine {
-            points: points.to_vec(),
-            stroke: colour(pen.colour),
-            stroke_width: pen.width,
-            stroke_dasharray: None,
-        });
     }
 
     /// The same in dashes, of one length whatever the distance of the points.
@@ -157,47 +173,70 @@ impl Canvas {
     }
 
     fn filled(&mut self, polygons: &[Vec<Place>], fill: Rgb, opacity: f64, line: f64) {
-        if polygons.is_empty() {
-            return;
+        if !polygons.is_empty() {
+            self.shapes.push(Shape::Area { polygons: polygons.to_vec(), fill, opacity, line });
         }
-        self.scene.add(Primitive::Path(Box::new(PathData {
-            d: polygons.iter().map(|polygon| path(polygon)).collect(),
-            fill: Some(colour(fill)),
-            stroke: if line > 0.0 { colour(fill) } else { Color::None },
-            stroke_width: line,
-            opacity: (opacity < 1.0).then_some(opacity),
-            stroke_dasharray: None,
-        })));
     }
 
     pub fn dot(&mut self, at: Place, radius: f64, fill: Rgb) {
-        self.scene.add(Primitive::Circle {
-            cx: at.0,
-            cy: at.1,
-            r: radius,
-            fill: colour(fill),
-            fill_opacity: None,
-            stroke: None,
-            stroke_width: None,
-        });
+        self.shapes.push(Shape::Dot { at, radius, fill });
     }
 
     /// A text beside a place; a turn is in degrees, clockwise.
     pub fn text(&mut self, at: Place, text: &str, size: u32, side: Side, turn: f64, fill: Rgb) {
-        self.scene.add(Primitive::Text {
-            x: at.0,
-            y: at.1,
-            content: text.to_owned(),
-            size,
-            anchor: match side {
+        self.shapes.push(Shape::Text(Text { at, text: text.to_owned(), size, side, turn, fill }));
+    }
+}
+
+/// A shape as the crate that writes SVG has it.
+fn primitive(shape: &Shape) -> Primitive {
+    match shape {
+        Shape::Line { from, to, pen } => Primitive::Line {
+            x1: from.0,
+            y1: from.1,
+            x2: to.0,
+            y2: to.1,
+            stroke: colour(pen.colour),
+            stroke_width: pen.width,
+            stroke_dasharray: None,
+        },
+        Shape::Lines { points, pen } => Primitive::PolyLine {
+            points: points.clone(),
+            stroke: colour(pen.colour),
+            stroke_width: pen.width,
+            stroke_dasharray: None,
+        },
+        Shape::Area { polygons, fill, opacity, line } => Primitive::Path(Box::new(PathData {
+            d: polygons.iter().map(|polygon| path(polygon)).collect(),
+            fill: Some(colour(*fill)),
+            stroke: if *line > 0.0 { colour(*fill) } else { Color::None },
+            stroke_width: *line,
+            opacity: (*opacity < 1.0).then_some(*opacity),
+            stroke_dasharray: None,
+        })),
+        Shape::Dot { at, radius, fill } => Primitive::Circle {
+            cx: at.0,
+            cy: at.1,
+            r: *radius,
+            fill: colour(*fill),
+            fill_opacity: None,
+            stroke: None,
+            stroke_width: None,
+        },
+        Shape::Text(text) => Primitive::Text {
+            x: text.at.0,
+            y: text.at.1,
+            content: text.text.clone(),
+            size: text.size,
+            anchor: match text.side {
                 Side::Right => TextAnchor::Start,
                 Side::Middle => TextAnchor::Middle,
                 Side::Left => TextAnchor::End,
             },
-            rotate: (turn != 0.0).then_some(turn),
+            rotate: (text.turn != 0.0).then_some(text.turn),
             bold: false,
-            color: Some(colour(fill)),
-        });
+            color: Some(colour(text.fill)),
+        },
     }
 }
 

@@ -2,7 +2,8 @@
 
 use stickslip_core::model::Model;
 
-use crate::picture::view::{GridView, MOST_PANELS, Slice, ViewAxis};
+use crate::picture::panels::drawn_slices;
+use crate::picture::view::{GridView, Slice, ViewAxis};
 use crate::plot::axes::{axis_of_cells, edges_of};
 use crate::plot::canvas::{Canvas, Place};
 use crate::plot::panel::{ABOVE, Arrangement, Axis, LEFT, Layout, Panel, RIGHT, heading};
@@ -22,16 +23,17 @@ pub fn figure(values: &Values, view: &GridView, width: f64) -> Option<Canvas> {
     let horizontal = view.horizontal()?;
     let axes = Axes { across: axis_of_cells(horizontal), up: view.vertical().map(axis_of_cells) };
     let aspect = if axes.up.is_some() { ASPECT } else { STRIP };
+    let slices = drawn_slices(view);
     let layout = Layout { above: ABOVE, right: RIGHT, below: 0.0, aspect, most_columns: usize::MAX };
-    let Arrangement { panels, height } = layout.arrange(view.slices().min(MOST_PANELS), width);
+    let Arrangement { panels, height } = layout.arrange(slices.len(), width);
     let regions: Vec<Regions> = panels
         .iter()
-        .enumerate()
-        .map(|(number, panel)| regions(values, panel, &view.slice(number), &axes, [view.vertical(), Some(horizontal)]))
+        .zip(&slices)
+        .map(|(panel, &number)| regions(values, panel, &view.slice(number), &axes, [view.vertical(), Some(horizontal)]))
         .collect();
     let legend = Regions::legend(&regions, names(values.job.model()), width - LEFT - RIGHT);
     let mut canvas = Canvas::new(width, height + BEFORE + legend.height() + AFTER);
-    for (number, (panel, regions)) in panels.iter().zip(&regions).enumerate() {
+    for (&number, (panel, regions)) in slices.iter().zip(panels.iter().zip(&regions)) {
         regions.draw(&mut canvas);
         panel.outline(&mut canvas);
         panel.axis_below(&mut canvas, &axes.across);

@@ -3,7 +3,7 @@
 use crate::picture::chart::{Chart, ChartAxis, Form, Series, Share, listed};
 use crate::picture::view::rounded;
 use crate::plot::canvas::{BLACK, Canvas, GREY, Pen, Place, Rgb, Side, width_of};
-use crate::plot::panel::{Axis, BELOW, LEFT, Panel, SMALL, left_of};
+use crate::plot::panel::{Axis, BELOW, LEFT, NORMAL, Panel, SMALL, left_of};
 
 /// Colours of curves that colour-blind readers can distinguish (Okabe and Ito).
 pub const COLOURS: [Rgb; 6] = [
@@ -39,6 +39,11 @@ const AFTER: f64 = 12.0;
 
 /// Charts as one figure, this wide in pixels.
 pub fn figure(charts: &[&Chart], width: f64) -> Canvas {
+    titled_figure("", charts, width)
+}
+
+/// The same under a title, unless that is empty.
+pub fn titled_figure(title: &str, charts: &[&Chart], width: f64) -> Canvas {
     let columns = ((width / LEAST_WIDTH).floor() as usize).clamp(1, charts.len().clamp(1, 2));
     let step = width / columns as f64;
     let panel_width = step - LEFT - RIGHT;
@@ -50,8 +55,12 @@ pub fn figure(charts: &[&Chart], width: f64) -> Canvas {
         .map(|row| 2.0 * ABOVE + LINE_HEIGHT * (1 + row.iter().map(Vec::len).max().unwrap_or(0)) as f64)
         .collect();
     let height: f64 = heads.iter().map(|head| head + panel_height + BELOW).sum();
-    let mut canvas = Canvas::new(width, height + 4.0);
-    let mut top = 0.0;
+    let mut top = if title.is_empty() { 0.0 } else { ABOVE + LINE_HEIGHT };
+    let mut canvas = Canvas::new(width, top + height + 4.0);
+    let size = (7..=NORMAL).rev().find(|&size| width_of(title, size) <= width - 2.0 * ABOVE).unwrap_or(7);
+    if !title.is_empty() {
+        canvas.text((0.5 * width, LINE_HEIGHT), title, size, Side::Middle, 0.0, BLACK);
+    }
     for ((charts, legends), head) in charts.chunks(columns).zip(legends.chunks(columns)).zip(heads) {
         for (column, (chart, legend)) in charts.iter().zip(legends).enumerate() {
             let left = column as f64 * step;

@@ -3,12 +3,13 @@
 use kuva::plot::colormap::ColorMap;
 
 use crate::job::Job;
-use crate::picture::view::{GridView, MOST_PANELS, rounded};
+use crate::picture::panels::drawn_slices;
+use crate::picture::view::{GridView, rounded};
 use crate::plot::axes::axis;
 use crate::plot::canvas::{BLACK, Canvas, GREY, Pen, Place, Rgb, Side};
 use crate::plot::form::Along;
 use crate::plot::panel::{
-    ABOVE, Arrangement, Axis, Layout, NORMAL, Panel, RIGHT, SMALL, heading, space_of, wrapped, write_notes,
+    ABOVE, Arrangement, Axis, Layout, NORMAL, Panel, RIGHT, SMALL, heading, in_lines, space_of, wrapped, write_notes,
 };
 
 /// Height of a panel over its width.
@@ -40,16 +41,17 @@ impl Curves<'_> {
     /// The figure, with a panel for each combination of the axes that are not shown.
     pub fn figure(&self, width: f64) -> Canvas {
         let has_legend = self.family().len() > 1;
+        let notes = in_lines(&self.notes, width);
+        let slices = drawn_slices(self.view);
         let right = if has_legend { RIGHT + LEGEND } else { RIGHT };
-        let layout =
-            Layout { above: ABOVE, right, below: space_of(&self.notes), aspect: ASPECT, most_columns: usize::MAX };
-        let Arrangement { panels, height } = layout.arrange(self.view.slices().min(MOST_PANELS), width);
+        let layout = Layout { above: ABOVE, right, below: space_of(&notes), aspect: ASPECT, most_columns: usize::MAX };
+        let Arrangement { panels, height } = layout.arrange(slices.len(), width);
         let mut canvas = Canvas::new(width, height);
-        for (number, panel) in panels.iter().enumerate() {
+        for (number, panel) in slices.into_iter().zip(&panels) {
             self.panel(&mut canvas, panel, number);
         }
         self.legend(&mut canvas, &panels);
-        write_notes(&mut canvas, &self.notes, (width, height));
+        write_notes(&mut canvas, &notes, (width, height));
         canvas
     }
 

@@ -36,10 +36,9 @@ pub struct Difference {
 
 impl Difference {
     /// The figure, this wide in pixels; none for a single cell.
-    pub fn figure(&self, width: f64) -> Option<Canvas> {
-        let view = GridView::new(&self.job);
+    pub fn figure(&self, view: &GridView, width: f64) -> Option<Canvas> {
         let title = "Difference of probability";
-        match Form::for_grid(&view)? {
+        match Form::for_grid(view)? {
             Form::Curves(along) => {
                 let known =
                     || self.values.iter().zip(self.low.iter().zip(&self.high)).filter(|(value, _)| value.is_some());
@@ -50,7 +49,7 @@ impl Difference {
                 let vertical = Axis { scale, title: title.to_owned(), unit: String::new() };
                 let notes = vec![self.name.clone(), format!("bands: {}", self.intervals)];
                 let Self { job, values, low, high, .. } = self;
-                let curves = Curves { job, view: &view, along, values, low, high, vertical, has_zero: true, notes };
+                let curves = Curves { job, view, along, values, low, high, vertical, has_zero: true, notes };
                 Some(curves.figure(width))
             }
             Form::Area { vertical, horizontal } => {
@@ -60,7 +59,7 @@ impl Difference {
                     vec![self.name.clone(), format!("hatched: not significant, 0 is in the {}", self.intervals)];
                 let area = Area {
                     job: &self.job,
-                    view: &view,
+                    view,
                     vertical,
                     horizontal,
                     values: self.values.clone(),

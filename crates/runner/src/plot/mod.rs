@@ -1,9 +1,15 @@
-//! Plots of results for papers and slides, as SVG and PNG.
+//! Plots of results for papers and slides, as SVG, PDF and PNG.
 //!
-//! Everything is drawn by the same few primitives on a [`canvas`], so that all plots look alike; the crate kuva writes
-//! them as SVG, PNG or PDF, with metrics of a font of its own.
+//! Everything is drawn by the same few shapes on a [`canvas`], so that all plots look alike. The crate kuva writes them as
+//! SVG; pages and images have a font that is part of the program.
 
 pub mod canvas;
+
+pub mod font;
+
+pub mod png;
+
+pub mod pdf;
 
 pub mod drawing;
 

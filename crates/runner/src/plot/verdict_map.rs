@@ -11,9 +11,10 @@ use crate::evaluate::maps::Maps;
 use crate::failure::Failure;
 use crate::job::Job;
 use crate::output::quoted;
+use crate::picture::panels::{MOST_PANELS, spread};
 use crate::picture::scale::Scale;
 use crate::picture::title::title;
-use crate::picture::view::{GridView, MOST_PANELS};
+use crate::picture::view::GridView;
 use crate::plot::canvas::{BLACK, Canvas, Pen, Place, WHITE};
 use crate::plot::panel::{ABOVE, Arrangement, Axis, LEFT, Layout, Panel, RIGHT, heading, space_of, write_notes};
 use crate::plot::regions::{Region, Regions};
@@ -96,8 +97,9 @@ impl VerdictMaps {
 
     /// The figure, this wide in pixels.
     pub fn figure(&self, width: f64) -> Canvas {
-        let maps: Vec<&VerdictMap> =
-            (0..self.panels().min(MOST_PANELS)).filter_map(|configuration| self.maps.get(configuration)).collect();
+        let drawn = spread(self.panels().min(MOST_PANELS), self.panels());
+        let drawn = drawn.into_iter().filter_map(|number| self.maps.get(number).map(|map| (number, map)));
+        let (configurations, maps): (Vec<usize>, Vec<&VerdictMap>) = drawn.unzip();
         let marks = marks(&self.job);
         let [horizontal, vertical] = axes(&self.job, &maps);
         let has_marks = marks.len() <= MOST_MARKS;
@@ -119,7 +121,9 @@ impl VerdictMaps {
         let total = height + BEFORE + legend.height() + space_of(&notes);
         let mut canvas = Canvas::new(width, total);
         let view = GridView::new(&self.job);
-        for (configuration, ((panel, map), regions)) in panels.iter().zip(&maps).zip(&regions).enumerate() {
+        for (configuration, ((panel, map), regions)) in
+            configurations.into_iter().zip(panels.iter().zip(&maps).zip(&regions))
+        {
             regions.draw(&mut canvas);
             let plane = Plane { panel, map, horizontal: &horizontal, vertical: &vertical };
             plane.tiles(&mut canvas);

@@ -2,6 +2,8 @@
 
 pub mod time_left;
 
+mod bar_line;
+
 pub mod progress;
 
 pub mod plan;

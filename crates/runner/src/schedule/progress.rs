@@ -7,6 +7,7 @@ use indicatif::{HumanCount, ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::messages::{Code, Message, Numbers, are_json};
 use crate::output::rate;
+use crate::schedule::bar_line::{BarLine, width};
 use crate::schedule::time_left::{Prediction, RateMeter};
 
 /// Time between plain lines. A line is also printed when another twentieth is done, after the shortest time, and once
@@ -17,9 +18,10 @@ const PLAIN_SHORTEST: Duration = Duration::from_secs(2);
 /// Time between messages for programs, which draw a bar of them.
 const JSON_INTERVAL: Duration = Duration::from_millis(200);
 
-/// Characters of a bar, and of what stands beside it but for the text: its share, spaces, and some room.
+/// Characters of a bar, and of what stands beside it but for the text: its share and spaces; and how often it is drawn.
 const BAR: usize = 20;
-const BESIDE: usize = 8 + 3;
+const BESIDE: usize = 8;
+const DRAWN_A_SECOND: u8 = 20;
 
 /// What is known of the total.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -55,7 +57,10 @@ impl Progress {
     pub fn new(total: u128, unit: &'static str) -> Self {
         let total = u64::try_from(total).unwrap_or(u64::MAX);
         let bar = (io::stderr().is_terminal() && !are_json()).then(|| {
-            let bar = ProgressBar::with_draw_target(Some(total), ProgressDrawTarget::stderr());
+            let bar = ProgressBar::with_draw_target(
+                Some(total),
+                ProgressDrawTarget::term_like_with_hz(Box::<BarLine>::default(), DRAWN_A_SECOND),
+            );
             let style = ProgressStyle::with_template(&format!("{{bar:{BAR}}} {{percent:>3}} %  {{msg}}"));
             bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
         });
@@ -100,8 +105,7 @@ impl Progress {
             bar.set_length(self.total);
             bar.set_position(self.done);
             // Parts of a line that is too long would stay behind.
-            let size = rustix::termios::tcgetwinsize(io::stderr()).ok().filter(|size| size.ws_col > 0);
-            let width = size.map_or(80, |size| usize::from(size.ws_col)).saturating_sub(BAR + BESIDE);
+            let width = usize::from(width()).saturating_sub(BAR + BESIDE);
             let fitting = self.texts().into_iter().find(|text| text.chars().count() <= width);
             bar.set_message(fitting.unwrap_or_else(|| self.left().chars().take(width).collect()));
             return;

@@ -10,7 +10,7 @@ use stickslip_sampler::integrate::closed_form::ExactProbability;
 
 use self::report::{Found, Reached, Row, imprecise_json};
 use super::kept_beside::{KeptBeside, nothing_was_written};
-use crate::cli::BoundsArguments;
+use crate::cli::{BoundsArguments, CheckArguments};
 use crate::evaluate::bounds::{Ended, ImpreciseCell, kept_bounds};
 use crate::evaluate::remembering::Keeper;
 use crate::failure::{Advice, Failure};
@@ -54,11 +54,11 @@ pub fn bounds(arguments: &BoundsArguments, interrupt: &Interrupt) -> Result<(), 
 }
 
 /// `stickslip check` of a job with imprecise inputs.
-pub fn check(source: &JobSource, json: bool) -> Result<(), Failure> {
+pub fn check(source: &JobSource, arguments: &CheckArguments) -> Result<(), Failure> {
     let job = source.imprecise_job()?;
     let first = job.first();
     warn(job.warnings.clone());
-    if json {
+    if arguments.json {
         let found = json!({ "name": first.name, "cells": first.cells(), "imprecise": imprecise_json(&job) });
         return result(&format!("{found:#}\n"));
     }
@@ -68,10 +68,12 @@ pub fn check(source: &JobSource, json: bool) -> Result<(), Failure> {
         1 => String::new(),
         several => format!(", {several} combinations of alternatives in each"),
     };
+    let all = if arguments.all { format!("\n{}", job.normalised()) } else { String::new() };
     result(&format!(
-        "# {path} is valid, with imprecise inputs:\n{quantities}# {}{combinations}\n# `stickslip bounds {}` finds the lower and upper probability of each cell\n",
+        "# {path} is valid, with imprecise inputs:\n{quantities}# {}{combinations}\n# `stickslip bounds {}` finds the lower and upper probability of each cell\n{}",
         counted(first.cells().into(), "cell", "cells"),
-        quoted(&source.path)
+        quoted(&source.path),
+        all
     ))
 }
 
