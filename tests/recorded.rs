@@ -1,6 +1,7 @@
 //! What is recorded of the samples of models given by matrices: damping ratio, growth rate and frequency of their least
 //! stable pair.
 
+#![allow(clippy::disallowed_methods, reason = "expected values are computed as a textbook writes them")]
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on should say so and stop")]
 
 mod common;

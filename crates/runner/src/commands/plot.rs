@@ -90,7 +90,8 @@ fn check(arguments: &PlotArguments) -> Result<(), Failure> {
     let is_probability = arguments.of == PlotQuantity::Probability;
     let is_of_modes = is_of_modes(arguments.of);
     let of_a_cell = is_of_a_cell(arguments);
-    if arguments.run.is_file() && !is_of_modes && !of_a_cell && !(is_probability && arguments.against.is_none()) {
+    let is_motion = arguments.run.is_file() && !is_of_modes && !of_a_cell;
+    if is_motion && (!is_probability || arguments.against.is_some()) {
         return Err(Failure::Usage(format!(
             "{} is a file; --of and --against need a run directory. Leave them out to draw a motion",
             arguments.run.display()
@@ -106,7 +107,6 @@ fn check(arguments: &PlotArguments) -> Result<(), Failure> {
         ));
     }
     let is_of_run = is_probability && !arguments.run.is_file();
-    let is_motion = is_probability && arguments.run.is_file() && !of_a_cell;
     if !arguments.at.is_empty() && !is_of_run {
         let message = "--at is for the probability of a run and for --against; leave it out, or --of";
         return Err(Failure::Usage(message.to_owned()));

@@ -114,7 +114,7 @@ fn halves(sum: i64) -> [f64; 2] {
 /// The sum of two halves, if they can be such.
 fn whole([upper, lower]: [f64; 2]) -> Option<i64> {
     let is_half = |half: f64, from: f64| half.fract() == 0.0 && (from..from + 4_294_967_296.0).contains(&half);
-    (is_half(upper, -2_147_483_648.0) && is_half(lower, 0.0)).then(|| ((upper as i64) << 32) | lower as i64)
+    (is_half(upper, -2_147_483_648.0) && is_half(lower, 0.0)).then_some(((upper as i64) << 32) | lower as i64)
 }
 
 #[cfg(test)]

@@ -7,7 +7,7 @@ pub fn title(quantity: &Quantity) -> String {
     if let Some(title) = &quantity.title {
         return title.to_string();
     }
-    let name = capitalised(&quantity.noun());
+    let name = capitalised(quantity.noun());
     if quantity.symbol == quantity.name { name } else { format!("{name} {}", symbol(&quantity.symbol)) }
 }
 
