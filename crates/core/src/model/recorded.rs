@@ -24,6 +24,17 @@ pub struct RecordedResult {
     pub of: RecordedOf,
     /// Whether values are over [`Model::length_scale`](super::Model::length_scale).
     pub is_length: bool,
+    /// Whether it has a mean and a variance. Of a quotient whose divisor may vanish they are infinite, and those of samples say
+    /// nothing.
+    pub has_mean: bool,
+}
+
+impl RecordedResult {
+    /// Whether its variance can be shared out among the inputs.
+    #[must_use]
+    pub fn has_indices(&self) -> bool {
+        self.of == RecordedOf::All && self.has_mean
+    }
 }
 
 /// Of which samples a result is recorded.

@@ -31,8 +31,8 @@ pub struct PlotArguments {
     /// With --of samples: the one that runs up [default: the second input]
     #[arg(long, value_name = "NAME")]
     pub y: Option<String>,
-    /// With --of samples and convergence: how many samples to draw [default: 2000, 200 of models that take long; with
-    /// convergence those of the job]
+    /// With --of samples and convergence: how many samples to draw [default: 2000, 200 of large matrices; with
+    /// convergence those of the run or job]
     #[arg(long, value_name = "N", value_parser = whole_number)]
     pub samples: Option<u64>,
     /// With --of modes: the parameter over which to draw them [default: the longest axis of the job, else that of friction]

@@ -56,17 +56,21 @@ pub fn plot(arguments: &PlotArguments, interrupt: &Interrupt) -> Result<(), Fail
     result(&text)
 }
 
-/// Whether a plot needs a job alone, and no run of it.
+/// Whether a path is the file of a job.
+fn is_job(path: &Path) -> bool {
+    path.is_file() && path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"))
+}
+
+/// Whether a plot shows modes, which are those of a job or of the job of a run.
 fn is_of_modes(of: PlotQuantity) -> bool {
     matches!(of, PlotQuantity::Modes | PlotQuantity::SquealFrequencies)
 }
 
 /// Whether a plot shows one cell of a job. Of a job alone there are its inputs to see, if nothing else is asked for.
 fn is_of_a_cell(arguments: &PlotArguments) -> bool {
-    let is_job = || arguments.run.is_file() && arguments.run.extension().is_some_and(|extension| extension == "toml");
     match arguments.of {
         PlotQuantity::Inputs | PlotQuantity::Samples | PlotQuantity::Convergence | PlotQuantity::Distribution => true,
-        PlotQuantity::Probability => arguments.against.is_none() && is_job(),
+        PlotQuantity::Probability => arguments.against.is_none() && is_job(&arguments.run),
         _ => false,
     }
 }
@@ -91,6 +95,12 @@ fn check(arguments: &PlotArguments) -> Result<(), Failure> {
     let is_of_modes = is_of_modes(arguments.of);
     let of_a_cell = is_of_a_cell(arguments);
     let is_motion = arguments.run.is_file() && !is_of_modes && !of_a_cell;
+    if is_motion && is_job(&arguments.run) {
+        return Err(Failure::Usage(format!(
+            "{} is a job, and what is to be drawn needs a run of it: submit the job, and name its directory",
+            arguments.run.display()
+        )));
+    }
     if is_motion && (!is_probability || arguments.against.is_some()) {
         return Err(Failure::Usage(format!(
             "{} is a file; --of and --against need a run directory. Leave them out to draw a motion",
@@ -115,8 +125,9 @@ fn check(arguments: &PlotArguments) -> Result<(), Failure> {
         let message = "--target is for the probability of a run; leave it out, or --of and --against";
         return Err(Failure::Usage(message.to_owned()));
     }
-    if arguments.title.is_some() && !is_of_run && !is_motion {
-        let message = "--title is for the probability of a run, for --against and for motions; leave it out, or --of";
+    let has_heading = of_a_cell && !matches!(arguments.of, PlotQuantity::Probability | PlotQuantity::Inputs);
+    if arguments.title.is_some() && !is_of_run && !is_motion && !has_heading {
+        let message = "--title is for the probability of a run, for --against, motions, samples, convergence and distribution; leave it out";
         return Err(Failure::Usage(message.to_owned()));
     }
     if arguments.from.or(arguments.to).is_some() && !is_motion {
@@ -133,6 +144,9 @@ fn check(arguments: &PlotArguments) -> Result<(), Failure> {
         && arguments.of != PlotQuantity::Samples
     {
         return Err(Failure::Usage(format!("{option} chooses what --of samples draws; leave it out")));
+    }
+    if arguments.samples == Some(0) {
+        return Err(Failure::Usage("--samples 0: there is nothing to draw; give 1 or more".to_owned()));
     }
     if arguments.samples.is_some() && !matches!(arguments.of, PlotQuantity::Samples | PlotQuantity::Convergence) {
         return Err(Failure::Usage("--samples is for --of samples and convergence; leave it out".to_owned()));

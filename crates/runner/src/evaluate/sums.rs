@@ -3,7 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 use stickslip_core::model::decision::Decision;
-use stickslip_core::model::recorded::{MOST_RECORDED, RecordedOf};
+use stickslip_core::model::recorded::{MOST_RECORDED, RecordedResult};
 use stickslip_core::model::verdict::{Verdict, VerdictCounts};
 use stickslip_sampler::estimate::conditional::{ConditionalPart, ProbabilitySums};
 use stickslip_sampler::estimate::score::{ScoreSums, ScoreTotals};
@@ -90,7 +90,7 @@ impl SumLayout {
     /// The sums of a job.
     pub fn for_job(job: &Job) -> Self {
         let has_verdicts = job.answer() == Answer::Verdict;
-        let of_all = job.model().recorded().iter().take_while(|result| result.of == RecordedOf::All);
+        let of_all = job.model().recorded().iter().take_while(|result: &&RecordedResult| result.has_indices());
         Self {
             samples: has_verdicts,
             lookups: job.map_use() == MapUse::LookUp,

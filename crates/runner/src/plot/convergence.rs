@@ -31,9 +31,10 @@ impl ConvergencePlot {
         let ends = [self.estimates.first(), self.estimates.last()].map(|end| end.map_or(1.0, |(n, _)| *n as f64));
         let across =
             Axis { scale: Scale::logarithmic(ends[0], ends[1]), title: self.across.clone(), unit: String::new() };
-        // The first intervals reach from 0 to 1: what is looked at is where the last ones lie.
+        // The first intervals reach from 0 to 1: what is looked at is where the estimates and the last intervals lie.
         let later = self.estimates.iter().skip(self.estimates.len() / 4);
         let values = later.flat_map(|(_, estimate)| [estimate.low, estimate.high]);
+        let values = values.chain(self.estimates.iter().filter_map(|(_, estimate)| estimate.probability));
         let up = Axis {
             scale: Scale::around(values),
             title: "Probability of instability P".to_owned(),

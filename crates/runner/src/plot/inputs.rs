@@ -11,6 +11,9 @@ use crate::plot::panel::{
 /// Height of a panel over its width.
 const ASPECT: f64 = 0.68;
 
+/// Panels for which there is space at the least, where two fit beside each other.
+const LEAST: usize = 2;
+
 /// Bars over the values of an input.
 const BARS: usize = 50;
 
@@ -27,6 +30,7 @@ const MOST_POINTS: usize = 2000;
 const DRAWN: Rgb = (0xb3, 0xd9, 0xf2);
 const CURVE: Rgb = (0x00, 0x72, 0xb2);
 const OUTSIDE: Rgb = (0xf4, 0xd9, 0xd9);
+const IMPOSSIBLE: Rgb = (0xdc, 0xdc, 0xdc);
 const OUTSIDE_POINT: Rgb = (0xc0, 0x30, 0x30);
 
 /// An input.
@@ -42,6 +46,8 @@ pub struct InputPanel {
     pub density: Vec<[f64; 2]>,
     /// Where values lie outside the model, if the others have their expected values.
     pub outside: Vec<[f64; 2]>,
+    /// Where values are not possible, so that a sample fails.
+    pub impossible: Vec<[f64; 2]>,
 }
 
 /// Two correlated inputs.
@@ -65,14 +71,20 @@ impl InputsPlot {
     pub fn figure(&self, width: f64) -> Canvas {
         let notes = in_lines(&self.notes, width);
         let has_outside = self.are_outside.contains(&true) || self.inputs.iter().any(|input| !input.outside.is_empty());
+        let has_impossible = self.inputs.iter().any(|input| !input.impossible.is_empty());
         let has_density = self.inputs.iter().any(|input| !input.density.is_empty());
-        let entries =
-            [(true, DRAWN, "drawn"), (has_density, CURVE, "density"), (has_outside, OUTSIDE, "outside the model")];
+        let entries = [
+            (true, DRAWN, "drawn"),
+            (has_density, CURVE, "density"),
+            (has_outside, OUTSIDE, "outside the model"),
+            (has_impossible, IMPOSSIBLE, "not possible: the sample fails"),
+        ];
         let entries = entries.into_iter().filter(|(is_there, ..)| *is_there);
         let legend = Legend::new(entries.map(|(_, colour, name)| (colour, name.to_owned())).collect(), width - LEFT);
         let below = BEFORE + legend.height() + space_of(&notes);
-        let layout = Layout { above: ABOVE, right: RIGHT, below, aspect: ASPECT, most_columns: 3 };
-        let Arrangement { panels, height } = layout.arrange(self.inputs.len() + self.pairs.len(), width);
+        let layout = Layout { above: ABOVE, right: RIGHT, below, aspect: ASPECT, most_columns: 2 };
+        // One panel is not wider than one of two.
+        let Arrangement { panels, height } = layout.arrange((self.inputs.len() + self.pairs.len()).max(LEAST), width);
         let mut canvas = Canvas::new(width, height);
         for (input, panel) in self.inputs.iter().zip(&panels) {
             input.draw(&mut canvas, panel);
@@ -110,25 +122,33 @@ impl InputPanel {
 
     fn draw(&self, canvas: &mut Canvas, panel: &Panel) {
         let across = self.axis();
-        let [low, high] = [across.scale.value(0.0), across.scale.value(1.0)];
+        let [low, high] =
+            self.drawn.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(*x), high.max(*x)]);
         let histogram = Histogram::new(self.drawn.iter().map(|value| (*value, 1)), [low, high], BARS);
         let density = 1.0 / (histogram.width() * self.drawn.len().max(1) as f64);
+        // A density may be infinite at its ends.
+        let drawn = density * histogram.highest() as f64;
         let highest = self.density.iter().map(|[_, density]| *density).fold(0.0, f64::max);
-        let highest = highest.max(density * histogram.highest() as f64);
+        let highest = if highest < 2.0 * drawn { highest.max(drawn) } else { drawn };
         let per = match (self.unit.as_str(), self.unit.strip_prefix("1/")) {
             ("", _) => String::new(),
             (_, Some(unit)) => unit.to_owned(),
             (unit, None) => format!("per {unit}"),
         };
         let up = Axis { scale: Scale::linear(0.0, SPACE * highest), title: "Density".to_owned(), unit: per };
-        for range in &self.outside {
-            let [left, right] = range.map(|end| panel.place(across.scale.at(end), 0.0).0);
-            canvas.area(&[panel.rectangle((left, panel.top), (right, panel.bottom()))], OUTSIDE, 1.0);
+        for (ranges, colour) in [(&self.outside, OUTSIDE), (&self.impossible, IMPOSSIBLE)] {
+            for range in ranges {
+                let [left, right] = range.map(|end| panel.place(across.scale.at(end), 0.0).0);
+                if left < panel.right() && right > panel.left {
+                    canvas.area(&[panel.rectangle((left, panel.top), (right, panel.bottom()))], colour, 1.0);
+                }
+            }
         }
         histogram.draw(canvas, panel, [&across, &up], density, DRAWN);
         let curve: Vec<Place> = self
             .density
             .iter()
+            .filter(|[_, density]| *density <= SPACE * highest)
             .map(|&[value, density]| panel.place(across.scale.at(value), up.scale.at(density)))
             .collect();
         canvas.lines(&curve, Pen::new(CURVE, 1.6));

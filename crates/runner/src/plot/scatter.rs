@@ -1,5 +1,7 @@
 //! Single samples as points over two of their values.
 
+use indicatif::HumanCount;
+
 use crate::picture::scale::Scale;
 use crate::plot::canvas::{Canvas, Rgb};
 use crate::plot::legend::Legend;
@@ -15,7 +17,7 @@ const BEFORE: f64 = 8.0;
 const POINT: f64 = 1.7;
 
 /// A kind of points.
-pub struct Points {
+pub struct Kind {
     pub name: String,
     pub colour: Rgb,
     /// Across and up.
@@ -33,7 +35,7 @@ pub struct ScatterPlot {
     /// Across and up.
     pub axes: [Value; 2],
     /// Those that come later are drawn over those before.
-    pub kinds: Vec<Points>,
+    pub kinds: Vec<Kind>,
     pub title: String,
     pub notes: Vec<String>,
 }
@@ -42,9 +44,10 @@ impl ScatterPlot {
     /// The figure, this wide in pixels.
     pub fn figure(&self, width: f64) -> Canvas {
         let notes = in_lines(&self.notes, width);
-        let is_there = |points: &&Points| !points.places.is_empty();
+        let is_there = |points: &&Kind| !points.places.is_empty();
         let entries = self.kinds.iter().filter(is_there);
-        let entries = entries.map(|points| (points.colour, format!("{} ({})", points.name, points.places.len())));
+        let entries = entries
+            .map(|points| (points.colour, format!("{} ({})", points.name, HumanCount(points.places.len() as u64))));
         let legend = Legend::new(entries.collect(), width - LEFT - RIGHT);
         let below = BEFORE + legend.height() + space_of(&notes);
         let layout = Layout { above: ABOVE, right: RIGHT, below, aspect: ASPECT, most_columns: 1 };
@@ -57,7 +60,7 @@ impl ScatterPlot {
             unit: self.axes[axis].unit.clone(),
         });
         for panel in &panels {
-            for Points { places, colour, .. } in &self.kinds {
+            for Kind { places, colour, .. } in &self.kinds {
                 for [right, high] in places {
                     canvas.dot(panel.place(across.scale.at(*right), up.scale.at(*high)), POINT, *colour);
                 }

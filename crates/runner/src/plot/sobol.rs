@@ -3,7 +3,6 @@
 use std::path::Path;
 
 use stickslip_core::model::quantity::Quantity;
-use stickslip_core::model::recorded::RecordedOf;
 use stickslip_sampler::special_functions::normal;
 
 use crate::failure::Failure;
@@ -133,7 +132,7 @@ impl Sobol {
         let distance = |cell: &usize| self.values.probability[*cell].map_or(f64::INFINITY, |p| (p - MIDDLE).abs());
         let nearest = known.into_iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
         nearest.map(|cell| vec![cell]).ok_or_else(|| {
-            let results = self.values.job.model().recorded().iter().filter(|result| result.of == RecordedOf::All);
+            let results = self.values.job.model().recorded().iter().filter(|result| result.has_indices());
             let results: Vec<String> = results.map(|result| format!("--result {}", result.name)).collect();
             let or = if self.of == VERDICT && !results.is_empty() {
                 format!(", or see {}", results.join(" and "))
@@ -236,7 +235,7 @@ impl Sobol {
 /// What a recorded result of a job with Sobol indices is called, or the verdict.
 fn described(job: &Job, result: Option<&str>) -> Result<&'static str, Failure> {
     let Some(name) = result else { return Ok(VERDICT) };
-    let known = || job.model().recorded().iter().filter(|known| known.of == RecordedOf::All);
+    let known = || job.model().recorded().iter().filter(|known| known.has_indices());
     known().find(|known| known.name == name).map(|known| known.noun).ok_or_else(|| {
         let names: Vec<&str> = known().map(|known| known.name).collect();
         let there_are = match names[..] {

@@ -60,7 +60,7 @@ pub enum PictureKind {
 pub const PICTURE_WIDTH: f64 = 700.0;
 
 /// How the columns of a recorded result end that are shown.
-const SHOWN: [&str; 3] = ["_mean", "_p05", "_p95"];
+const SHOWN: [&str; 3] = ["_p50", "_p05", "_p95"];
 
 impl ReportedRun {
     /// Reads a finished run.
@@ -188,13 +188,13 @@ impl ReportedRun {
                 (false, _) if result.unit == "1" => (1.0, ""),
                 (false, _) => (1.0, result.unit),
             };
-            let [mean, low, high] = SHOWN.map(|kind| self.further(&format!("{}{kind}", result.name)));
+            let [median, low, high] = SHOWN.map(|kind| self.further(&format!("{}{kind}", result.name)));
             Some(json!({
                 "name": result.noun,
                 "samples": result.of.nouns()[1],
                 "scale": scale,
                 "unit": unit,
-                "mean": mean?,
+                "median": median?,
                 "low": low?,
                 "high": high?,
             }))

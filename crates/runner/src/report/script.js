@@ -75,10 +75,10 @@ function aboutModel(cell) {
     );
   }
   const lines = !sentences.length ? marks : [...marks, `With exactly these values: ${sentences.join("; ")}.`];
-  for (const { name, samples, scale, unit, mean, low, high } of recorded) {
-    if (mean[cell] === null) continue;
+  for (const { name, samples, scale, unit, median, low, high } of recorded) {
+    if (median[cell] === null) continue;
     const shown = (column) => `${number(column[cell] * scale)} ${unit}`.trim();
-    lines.push(`${name[0].toUpperCase()}${name.slice(1)} of the ${samples}: mean ${shown(mean)}, ` +
+    lines.push(`${name[0].toUpperCase()}${name.slice(1)} of the ${samples}: median ${shown(median)}, ` +
       `5 to 95 %: ${shown(low)} to ${shown(high)}.`);
   }
   return lines.join(" ");

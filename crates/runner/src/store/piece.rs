@@ -235,7 +235,7 @@ mod tests {
     }
 
     const fn result(of: RecordedOf) -> RecordedResult {
-        RecordedResult { name: "", unit: "1", noun: "", meaning: "", of, is_length: false }
+        RecordedResult { name: "", unit: "1", noun: "", meaning: "", of, is_length: false, has_mean: true }
     }
 
     const RESULTS: [RecordedResult; 2] = [result(RecordedOf::Unstable), result(RecordedOf::All)];

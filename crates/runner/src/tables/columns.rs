@@ -183,12 +183,13 @@ fn recorded_columns(place: usize, result: &RecordedResult) -> Vec<Column> {
         Column::new(format!("{name}_{kind}"), *unit, long_name, values)
     };
     let below = |percent: u32| format!("{noun} that {percent} % of the {samples} do not exceed");
-    vec![
-        column("mean", format!("mean {noun} of the {samples}, {meaning}"), Distribution::mean),
+    let mean = || column("mean", format!("mean {noun} of the {samples}, {meaning}"), Distribution::mean);
+    let quantiles = [
         column("p05", below(5), |values| values.quantile(0.05)),
-        column("p50", format!("median {noun} of the {samples}"), |values| values.quantile(0.5)),
+        column("p50", format!("median {noun} of the {samples}, {meaning}"), |values| values.quantile(0.5)),
         column("p95", below(95), |values| values.quantile(0.95)),
-    ]
+    ];
+    result.has_mean.then(mean).into_iter().chain(quantiles).collect()
 }
 
 /// Columns of jobs with a verdict map.

@@ -94,7 +94,7 @@ impl Distribution {
         // From the negative values that are farthest from 0 to the largest positive one.
         let sorted = self.bins.range(SIGN..).rev().chain(self.bins.range(..SIGN));
         let edge = |bin: u32| f64::from_bits(u64::from(bin) << DROPPED_BITS);
-        // The bin of zero has nothing else that is not as good as zero.
+        // What shares the bin of zero is below 1e-310.
         let middle = move |bin: u32| if bin & !SIGN == 0 { 0.0 } else { 0.5 * (edge(bin) + edge(bin + 1)) };
         sorted.map(move |(bin, count)| (middle(*bin), *count))
     }

@@ -25,7 +25,7 @@ impl PairResult {
             Self::Frequency => ("frequency", "Hz", "frequency"),
         };
         let meaning = "that of the least stable pair in the band";
-        RecordedResult { name, unit, noun, meaning, of: RecordedOf::All, is_length: false }
+        RecordedResult { name, unit, noun, meaning, of: RecordedOf::All, is_length: false, has_mean: true }
     }
 
     /// Its value for a pair with this eigenvalue, rad/s.

@@ -3,10 +3,11 @@
 use std::ops::Range;
 use std::path::Path;
 
+use indicatif::HumanCount;
 use stickslip_sampler::estimate::interval::Estimate;
 use stickslip_sampler::grid::Cell;
 
-use super::place;
+use super::{FEW_SAMPLES, place};
 use crate::cli::PlotArguments;
 use crate::commands::completion::evaluator_again;
 use crate::evaluate::evaluator::Evaluator;
@@ -17,6 +18,7 @@ use crate::job::{Answer, Effort, Job};
 use crate::output::{counted, note};
 use crate::picture::view::{rounded, scatter};
 use crate::plot::convergence::ConvergencePlot;
+use crate::plot::distribution::significant;
 use crate::schedule::engine::{Engine, Outcome};
 use crate::schedule::progress::Progress;
 use crate::store::directory::RunDirectory;
@@ -24,7 +26,8 @@ use crate::store::tally::Tally;
 use crate::tables::surface::Surface;
 use stickslip_core::model::IsStopped;
 
-/// Most samples that are drawn once more.
+/// Fewest and most samples that are drawn.
+const LEAST: u64 = 4;
 const MOST_SAMPLES: u64 = 10_000_000;
 
 /// Numbers of samples at which the estimate is drawn, for each factor of ten, and the first of them: of many, and of few.
@@ -50,11 +53,30 @@ pub fn convergence(
             job.name
         )));
     }
-    let evaluator = evaluator(path, job, cell)?;
+    let run = if path.is_dir() { Some(RunDirectory::view(path)?) } else { None };
+    let counted_by_run = run.as_ref().map(|directory| directory.tally(job)).transpose()?;
+    let evaluator = match (&run, &counted_by_run) {
+        (Some(directory), Some(tally)) if job.uses_maps() => evaluator_again(directory, job, tally, cell.index)?,
+        _ => Evaluator::new(job)?,
+    };
     let parts = evaluator.parts();
-    let all: u64 = parts.in_cell(cell.index).map(|part| parts.max_samples(parts.place(part).1)).sum();
-    let samples = arguments.samples.map_or(all, |wanted| wanted.min(all)).min(MOST_SAMPLES);
-    let units = units(&evaluator, cell.index, samples, all);
+    // A run may end before it has drawn as many as it may.
+    let of_part = |part: u64| match &counted_by_run {
+        Some(tally) => tally.counts(part).total(),
+        None => parts.max_samples(parts.place(part).1),
+    };
+    let ends: Vec<(u64, u64)> = parts.in_cell(cell.index).map(|part| (part, of_part(part))).collect();
+    let all: u64 = ends.iter().map(|(_, end)| end).sum();
+    let usual = if run.is_none() && job.model().has_slow_samples() { FEW_SAMPLES } else { MOST_SAMPLES };
+    let samples = arguments.samples.unwrap_or(usual).min(all).min(MOST_SAMPLES);
+    if samples < LEAST {
+        return Err(Failure::Usage(format!(
+            "{} of cell {} make no curve; draw {LEAST} or more (--samples)",
+            counted(samples.into(), "sample", "samples"),
+            cell.index
+        )));
+    }
+    let units = units(&evaluator, &ends, samples, all);
     let mut tally = Tally::new(parts);
     let mut progress = Progress::new(samples.into(), "samples");
     let engine = Engine::new(arguments.threads.count())?;
@@ -90,10 +112,12 @@ pub fn convergence(
         job.sampling.method.interval(&job.sampling)
     )];
     if let Some((_, Estimate { probability: Some(probability), low, high })) = estimates.last() {
-        notes.push(format!("last: P = {} ({} to {})", rounded(*probability), rounded(*low), rounded(*high)));
+        let [probability, low, high] = [probability, low, high].map(|value| rounded(significant(*value)));
+        notes.push(format!("last: P = {probability} ({low} to {high})"));
     }
-    if samples < all && arguments.samples.is_none() {
-        note(format_args!("the first {samples} samples of {all} are drawn once more, as many as a picture takes"));
+    let wanted = arguments.samples.unwrap_or(all);
+    if samples < wanted {
+        note(format_args!("{} of {} are drawn", HumanCount(samples), counted(wanted.into(), "sample", "samples")));
     }
     let what = if job.answer() == Answer::Population { "Populations of the cell" } else { "Samples of the cell" };
     Ok(ConvergencePlot { estimates, across: what.to_owned(), title: place(job, cell.index), notes })
@@ -108,19 +132,14 @@ fn estimate(job: &Job, tally: &Tally, cell: u64) -> Estimate {
     }
 }
 
-/// What evaluates the samples of a run, with its maps, or of a job.
-fn evaluator<'a>(path: &Path, job: &'a Job, cell: &Cell) -> Result<Evaluator<'a>, Failure> {
-    if !(path.is_dir() && job.uses_maps()) {
-        return Evaluator::new(job);
-    }
-    let directory = RunDirectory::view(path)?;
-    let tally = directory.tally(job)?;
-    evaluator_again(&directory, job, &tally, cell.index)
-}
-
 /// The samples of a cell in units of work, each with the number of its step and its part: all parts grow alike, but for
 /// those that follow each other.
-fn units(evaluator: &Evaluator<'_>, cell: u64, samples: u64, all: u64) -> Vec<(usize, u64, Range<u64>)> {
+fn units(
+    evaluator: &Evaluator<'_>,
+    parts_ends: &[(u64, u64)],
+    samples: u64,
+    all: u64,
+) -> Vec<(usize, u64, Range<u64>)> {
     let parts = evaluator.parts();
     let first = if samples < MANY { FIRST_OF_FEW } else { FIRST };
     let last = libm::log10(samples.max(1) as f64 / first).max(0.0);
@@ -132,9 +151,8 @@ fn units(evaluator: &Evaluator<'_>, cell: u64, samples: u64, all: u64) -> Vec<(u
     ends.sort_unstable();
     ends.dedup();
     // Up to where each part is counted after a step.
-    let end_of = |part: u64, end: u64| {
+    let end_of = |part: u64, most: u64, end: u64| {
         let place = parts.place(part).1;
-        let most = parts.max_samples(place);
         if parts.are_sequential() {
             end.saturating_sub(parts.first_sample(place)).min(most)
         } else {
@@ -145,8 +163,8 @@ fn units(evaluator: &Evaluator<'_>, cell: u64, samples: u64, all: u64) -> Vec<(u
     let mut units = Vec::new();
     let mut before = 0;
     for (step, &end) in ends.iter().enumerate() {
-        for part in parts.in_cell(cell) {
-            let range = end_of(part, before)..end_of(part, end);
+        for &(part, most) in parts_ends {
+            let range = end_of(part, most, before)..end_of(part, most, end);
             let starts = range.clone().step_by(length as usize);
             units.extend(starts.map(|start| (step, part, start..range.end.min(start + length))));
         }

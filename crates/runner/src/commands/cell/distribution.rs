@@ -11,12 +11,14 @@ use crate::evaluate::parts::Parts;
 use crate::evaluate::unit::{Recorded, add_recorded};
 use crate::failure::Failure;
 use crate::job::Job;
+use crate::output::{counted, note};
+use crate::picture::panels::left_out;
 use crate::picture::scale::Scale;
 use crate::picture::title::capitalised;
 use crate::picture::view::{GridView, rounded, scatter};
 use crate::plot::canvas::Canvas;
 use crate::plot::curves::Curves;
-use crate::plot::distribution::DistributionPlot;
+use crate::plot::distribution::{DistributionPlot, significant};
 use crate::plot::form::Form;
 use crate::plot::panel::Axis;
 use crate::store::directory::RunDirectory;
@@ -26,14 +28,30 @@ use crate::tables::finished::FinishedSurface;
 ///
 /// # Errors
 /// A path that is no run, and a run that does not record the result.
-pub fn along(path: &Path, name: Option<&str>, width: f64) -> Result<Option<(Canvas, String)>, Failure> {
+pub fn along(
+    path: &Path,
+    name: Option<&str>,
+    title: Option<String>,
+    width: f64,
+) -> Result<Option<(Canvas, String)>, Failure> {
     require_run(path)?;
     let surface = FinishedSurface::open(path)?;
     let result = *chosen(&surface.job, name)?.1;
-    let view = GridView::new(&surface.job);
-    let Some(Form::Curves(along)) = Form::for_grid(&view) else { return Ok(None) };
+    let view = GridView::new(&surface.job).titled(title);
+    let along = match Form::for_grid(&view) {
+        Some(Form::Curves(along)) => along,
+        Some(Form::Area { .. }) => {
+            note(format_args!("over two axes quantiles make no curves; the histogram of one cell is drawn"));
+            return Ok(None);
+        }
+        None => return Ok(None),
+    };
+    left_out(&view).iter().for_each(|what| note(format_args!("{what}")));
     let columns = ["p50", "p05", "p95"].map(|kind| format!("{}_{kind}", result.name));
     let [middle, low, high] = surface.numbers(columns.each_ref().map(String::as_str))?;
+    if middle.iter().all(Option::is_none) {
+        return Err(without_value(path, "any cell", &result));
+    }
     let known = middle.iter().zip(low.iter().zip(&high)).filter(|(middle, _)| middle.is_some());
     let ends = known.flat_map(|(_, (low, high))| [*low, *high]).flatten();
     let curves = Curves {
@@ -63,28 +81,27 @@ pub fn of_cell(path: &Path, job: &Job, cell: &Cell, name: Option<&str>) -> Resul
     let (at, result) = chosen(job, name)?;
     let tally = RunDirectory::view(path)?.tally(job)?;
     let mut recorded = Recorded::default();
-    for part in Parts::new(job).in_cell(cell.index) {
+    let parts = Parts::new(job);
+    for part in parts.in_cell(cell.index) {
         tally.recorded(part).into_iter().for_each(|of_part| add_recorded(&mut recorded, of_part));
     }
     let values = std::mem::take(&mut recorded[at]);
-    let mean = values.mean().ok_or_else(|| {
-        Failure::Job(format!(
-            "no sample of cell {} of {} has a {}; choose another with --cell",
-            cell.index,
-            path.display(),
-            result.noun
-        ))
-    })?;
+    let Some(mean) = values.mean() else {
+        return Err(without_value(path, &format!("cell {}", cell.index), result));
+    };
+    let mean = if result.has_mean { format!(", mean {}", rounded(significant(mean))) } else { String::new() };
+    let samples: u64 = parts.in_cell(cell.index).map(|part| tally.counts(part).total()).sum();
     let plot = DistributionPlot {
+        samples: result.of.nouns()[1].to_owned(),
         title: capitalised(result.noun),
         unit: unit(result.unit).to_owned(),
         heading: place(job, cell.index),
         notes: vec![
             format!(
-                "{} {}, mean {}; {}",
+                "{} of {} have a {}{mean}; {}",
                 HumanCount(values.count()),
-                result.of.nouns()[1],
-                rounded(mean),
+                counted(samples.into(), "sample", "samples"),
+                result.noun,
                 scatter(job, cell.index)
             ),
             format!("{}: {}", result.noun, result.meaning),
@@ -111,9 +128,19 @@ fn chosen<'a>(job: &'a Job, name: Option<&str>) -> Result<(usize, &'a RecordedRe
     })
 }
 
+/// The failure of a result that no sample has.
+fn without_value(path: &Path, of: &str, result: &RecordedResult) -> Failure {
+    Failure::Job(format!(
+        "no sample of {of} of {} has a {} ({}); choose another result with --result, or another cell with --cell",
+        path.display(),
+        result.noun,
+        result.meaning
+    ))
+}
+
 /// Refuses a job that was not run.
 fn require_run(path: &Path) -> Result<(), Failure> {
-    if path.is_dir() {
+    if !path.is_file() {
         return Ok(());
     }
     Err(Failure::Usage(format!(

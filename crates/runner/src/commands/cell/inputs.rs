@@ -3,12 +3,14 @@
 use stickslip_core::model::Columns;
 use stickslip_sampler::draw::deviates::Points;
 use stickslip_sampler::grid::Cell;
+use stickslip_sampler::inputs::Marginal;
 use stickslip_sampler::special_functions::normal;
 
-use super::{place, value_of};
+use super::{place, require_scatter, value_of};
 use crate::evaluate::samples::{Drawing, Samples};
 use crate::failure::Failure;
 use crate::job::Job;
+use crate::output::counted;
 use crate::picture::view::rounded;
 use crate::plot::inputs::{InputPanel, InputsPlot, PairPanel};
 
@@ -31,12 +33,7 @@ const AROUND: f64 = 0.1;
 /// A job without random inputs, and a cell without a configuration.
 pub fn inputs(job: &Job, cell: &Cell) -> Result<InputsPlot, Failure> {
     let random = &job.random;
-    if random.scatters_nothing() {
-        return Err(Failure::Job(format!(
-            "the job \"{}\" has no random inputs to draw: nothing scatters. Name some in random.inputs, and give them a relative_std",
-            job.name
-        )));
-    }
+    require_scatter(job, cell)?;
     let mut drawing = Drawing::new(job, cell, 0, 0..DRAWN, Points::Random);
     let drawn = drawing.next_chunk(DRAWN as usize).ok_or_else(|| Failure::Job("no samples are drawn".to_owned()))?;
     let configuration = job.model().configure(&cell.expected, &job.varying(), None);
@@ -54,11 +51,23 @@ pub fn inputs(job: &Job, cell: &Cell) -> Result<InputsPlot, Failure> {
         .collect();
     let are_outside = outside(&Columns::new(drawn.len(), &drawn.columns()));
     let count = are_outside.iter().filter(|is_outside| **is_outside).count();
-    let share = rounded((1e4 * count as f64 / DRAWN as f64).round() / 100.0);
-    let mut notes = vec![format!("{}; {DRAWN} samples drawn; dashed: expected value", place(job, cell.index))];
+    let share = |count: usize| rounded((1e4 * count as f64 / DRAWN as f64).round() / 100.0);
+    let is_impossible = |sample: &usize| {
+        let values = random.inputs.iter().zip(drawn.values(*sample));
+        values.into_iter().any(|(&input, value)| !job.quantity(input).limits.contain(value))
+    };
+    let impossible = (0..drawn.len()).filter(|sample| !are_outside[*sample] && is_impossible(sample)).count();
+    let drawn_samples = counted(DRAWN.into(), "sample", "samples");
+    let mut notes = vec![format!("{}; {drawn_samples} drawn; dashed: expected value", place(job, cell.index))];
     notes.extend(
-        (count > 0).then(|| format!("{share} % of them lie outside the model: {}", job.model().outside_meaning())),
+        (count > 0)
+            .then(|| format!("{} % of them lie outside the model: {}", share(count), job.model().outside_meaning())),
     );
+    notes.extend(
+        (impossible > 0)
+            .then(|| format!("{} % of them have a value that is not possible, and fail", share(impossible))),
+    );
+
     if !pairs.is_empty() {
         notes.push("correlation: that of the normal deviates of both inputs".to_owned());
     }
@@ -89,42 +98,46 @@ fn panel(
         steps.map(density).filter(|[value, density]| value.is_finite() && density.is_finite()).collect();
     density.sort_by(|a, b| a[0].total_cmp(&b[0]));
     let scatter = if job.random.absolute().any(|absolute| absolute == input) { "std" } else { "relative std" };
-    let name = job.random.marginals[input].name();
+    let marginal = &job.random.marginals[input];
+    let name = marginal.name();
+    let before = if matches!(marginal, Marginal::TruncatedNormal { .. }) { " before the cut" } else { "" };
     let ends = drawn.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(*x), high.max(*x)]);
+    let around = AROUND * (ends[1] - ends[0]);
+    let step = (ends[1] - ends[0] + 2.0 * around) / (TRIED - 1) as f64;
+    let values: Vec<f64> = (0..TRIED).map(|i| ends[0] - around + step * i as f64).collect();
+    let are_outside = outside_along(job, cell, input, &values, outside);
     InputPanel {
         title: value.title,
         unit: value.unit,
-        heading: format!("{name}, {scatter} {}", rounded((std * 1e6).round() / 1e6)),
+        heading: format!("{name}, {scatter} {}{before}", rounded((std * 1e6).round() / 1e6)),
         expected: job.expected(input, cell),
-        outside: ranges_outside(job, cell, input, ends, outside),
+        outside: ranges(&values, step, |i| are_outside[i]),
+        impossible: ranges(&values, step, |i| !are_outside[i] && !quantity.limits.contain(values[i])),
         drawn,
         density,
     }
 }
 
-/// Where values of an input between the ends lie outside the model, or are not admissible, if the others have their expected
-/// values.
-fn ranges_outside(
+/// Which of some values of an input lie outside the model, if the others have their expected values.
+fn outside_along(
     job: &Job,
     cell: &Cell,
     input: usize,
-    [low, high]: [f64; 2],
+    values: &[f64],
     outside: &dyn Fn(&Columns<'_>) -> Vec<bool>,
-) -> Vec<[f64; 2]> {
-    let around = AROUND * (high - low);
-    let step = (high - low + 2.0 * around) / (TRIED - 1) as f64;
-    let values: Vec<f64> = (0..TRIED).map(|i| low - around + step * i as f64).collect();
+) -> Vec<bool> {
     let quantity = job.random.inputs[input];
-    let columns: Vec<Vec<f64>> = job
-        .varying()
-        .into_iter()
-        .map(|place| if place == quantity { values.clone() } else { vec![cell.expected[place]; TRIED] })
-        .collect();
-    let columns: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
-    let limits = job.quantity_of(input).limits;
-    let are_outside = outside(&Columns::new(TRIED, &columns));
-    let is_outside = |i: usize| are_outside[i] || !limits.contain(values[i]);
-    let all: Vec<usize> = (0..TRIED).collect();
-    let runs = all.split(|&i| !is_outside(i)).filter_map(|run| Some([*run.first()?, *run.last()?]));
+    let column = |place: usize| match place == quantity {
+        true => values.to_vec(),
+        false => vec![cell.expected[place]; values.len()],
+    };
+    let columns: Vec<Vec<f64>> = job.varying().into_iter().map(column).collect();
+    outside(&Columns::new(values.len(), &columns.iter().map(Vec::as_slice).collect::<Vec<&[f64]>>()))
+}
+
+/// The ranges of values, a step from each other, for which something holds.
+fn ranges(values: &[f64], step: f64, holds: impl Fn(usize) -> bool) -> Vec<[f64; 2]> {
+    let all: Vec<usize> = (0..values.len()).collect();
+    let runs = all.split(|&i| !holds(i)).filter_map(|run| Some([*run.first()?, *run.last()?]));
     runs.map(|[first, last]| [values[first] - 0.5 * step, values[last] + 0.5 * step]).collect()
 }

@@ -8,6 +8,7 @@ use crate::evaluate::evaluator::Evaluator;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::job::Job;
+use crate::output::note;
 use crate::picture::title::title;
 use crate::picture::view::GridView;
 use crate::plot::canvas::Canvas;
@@ -18,6 +19,7 @@ use super::drawn_samples::{Add, DrawnSamples, draw};
 use super::one_brake::{cell_of, middle};
 use stickslip_core::model::IsStopped;
 use stickslip_core::model::quantity::Quantity;
+use stickslip_sampler::grid::Cell;
 
 mod inputs;
 
@@ -41,22 +43,26 @@ const UNIT_SAMPLES: u64 = 50;
 pub fn figure(arguments: &PlotArguments, width: f64, interrupt: &Interrupt) -> Result<(Canvas, PathBuf), Failure> {
     let path = arguments.run.as_path();
     if let (PlotQuantity::Distribution, None) = (arguments.of, arguments.cell)
-        && let Some((canvas, name)) = distribution::along(path, arguments.result.as_deref(), width)?
+        && let Some((canvas, name)) =
+            distribution::along(path, arguments.result.as_deref(), arguments.title.clone(), width)?
     {
         return Ok((canvas, beside(path, &name)));
     }
     let (job, cell) = cell_of(path, arguments.cell)?;
     let (canvas, name) = match arguments.of {
         PlotQuantity::Samples => {
-            let plot = samples::scatter(&job, &cell, arguments, interrupt)?;
+            let mut plot = samples::scatter(&job, &cell, arguments, interrupt)?;
+            titled(&mut plot.title, arguments);
             (plot.figure(width), "samples".to_owned())
         }
         PlotQuantity::Convergence => {
-            let plot = convergence::convergence(path, &job, &cell, arguments, interrupt)?;
+            let mut plot = convergence::convergence(path, &job, &cell, arguments, interrupt)?;
+            titled(&mut plot.title, arguments);
             (plot.figure(width), "convergence".to_owned())
         }
         PlotQuantity::Distribution => {
-            let (plot, name) = distribution::of_cell(path, &job, &cell, arguments.result.as_deref())?;
+            let (mut plot, name) = distribution::of_cell(path, &job, &cell, arguments.result.as_deref())?;
+            titled(&mut plot.heading, arguments);
             (plot.figure(width), name)
         }
         _ => (inputs::inputs(&job, &cell)?.figure(width), "inputs".to_owned()),
@@ -74,21 +80,30 @@ pub fn pictures(job: &Job, path: &Path) -> Result<Vec<Picture>, Failure> {
     let mut add = |kind: PictureKind, figure: Result<Canvas, Failure>| {
         match figure {
             Ok(canvas) => pictures.push(Picture { kind, canvas }),
-            Err(why) if why.is_of_job() => {}
+            Err(why) if why.is_of_job() => note(format_args!("the report leaves a picture out: {why}")),
             Err(why) => return Err(why),
         }
         Ok(())
     };
-    add(PictureKind::Inputs, inputs::inputs(job, &cell).map(|plot| plot.figure(PICTURE_WIDTH)))?;
+    if !job.random.scatters_nothing() {
+        add(PictureKind::Inputs, inputs::inputs(job, &cell).map(|plot| plot.figure(PICTURE_WIDTH)))?;
+    }
     for result in job.model().recorded() {
         let name = Some(result.name);
-        let figure = match distribution::along(path, name, PICTURE_WIDTH)? {
+        let figure = match distribution::along(path, name, None, PICTURE_WIDTH)? {
             Some((canvas, _)) => Ok(canvas),
             None => distribution::of_cell(path, job, &cell, name).map(|(plot, _)| plot.figure(PICTURE_WIDTH)),
         };
         add(PictureKind::Distributions, figure)?;
     }
     Ok(pictures)
+}
+
+/// Replaces what stands above a figure by the title that is asked for.
+fn titled(heading: &mut String, arguments: &PlotArguments) {
+    if let Some(title) = &arguments.title {
+        heading.clone_from(title);
+    }
 }
 
 /// The file of a picture of a run, or of a job beside its file, without an extension.
@@ -98,6 +113,17 @@ pub fn beside(path: &Path, name: &str) -> PathBuf {
     }
     let job = path.file_stem().unwrap_or_default().to_string_lossy();
     path.with_file_name(format!("{job}-{name}"))
+}
+
+/// Refuses a cell in which nothing scatters.
+fn require_scatter(job: &Job, cell: &Cell) -> Result<(), Failure> {
+    if (0..job.random.inputs.len()).any(|input| job.std(input, cell) != 0.0) {
+        return Ok(());
+    }
+    Err(Failure::Job(format!(
+        "nothing scatters in cell {} of \"{}\", so that all its samples are one: name inputs in random.inputs and give them a relative_std, or choose another cell with --cell",
+        cell.index, job.name
+    )))
 }
 
 /// The first samples of a cell, drawn at random, with their decisions.

@@ -1,22 +1,23 @@
 //! Single samples of a cell over two of their values.
 
 use stickslip_core::model::verdict::Verdict;
+use stickslip_sampler::draw::deviates::Points;
 use stickslip_sampler::grid::Cell;
 
-use super::{FEW_SAMPLES, SAMPLES, first_samples, place, unit, value_of};
+use super::{FEW_SAMPLES, SAMPLES, first_samples, place, require_scatter, unit, value_of};
 use crate::cli::PlotArguments;
 use crate::commands::drawn_samples::DrawnSamples;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
-use crate::job::Job;
 use crate::job::keys::nearest;
+use crate::job::{Answer, Job};
 use crate::output::counted;
 use crate::picture::title::capitalised;
 use crate::picture::view::scatter as scatter_of;
 use crate::plot::canvas::Rgb;
 use crate::plot::cells::names;
 use crate::plot::regions::Region;
-use crate::plot::scatter::{Points, ScatterPlot, Value};
+use crate::plot::scatter::{Kind, ScatterPlot, Value};
 
 /// Samples outside the model, which are not decided by its equations.
 const OUTSIDE: Rgb = (0xb0, 0x60, 0x90);
@@ -44,6 +45,7 @@ pub fn scatter(
     arguments: &PlotArguments,
     interrupt: &Interrupt,
 ) -> Result<ScatterPlot, Failure> {
+    require_scatter(job, cell)?;
     let axes = [("--x", &arguments.x, 0), ("--y", &arguments.y, 1)].map(|(option, name, place)| match name {
         Some(name) => Along::named(job, option, name),
         None => Ok(Along::by_default(job, cell, place)),
@@ -54,34 +56,55 @@ pub fn scatter(
     let samples = arguments.samples.unwrap_or(usual);
     let drawn = first_samples(job, cell.index, samples, arguments.threads.count(), interrupt)?;
     let [stable, unstable, undecided, failed, _] = names(job.model());
-    let outside = format!("outside the model, {}", job.model().outside_meaning());
-    let of = |name: &str, colour: Rgb| Points { name: name.to_owned(), colour, places: Vec::new() };
+    let of = |name: &str, colour: Rgb| Kind { name: name.to_owned(), colour, places: Vec::new() };
     let mut kinds = vec![
         of(stable, STABLE),
         of(unstable, Region::Unstable.colour()),
         of(undecided, Region::Undecided.colour()),
         of(failed, Region::Failed.colour()),
-        of(&outside, OUTSIDE),
+        of("outside the model", OUTSIDE),
     ];
-    let verdicts = [Verdict::Stable, Verdict::Unstable, Verdict::Undecided, Verdict::Failed];
-    let mut left_out = 0;
+    let mut left_out = 0_u64;
     for sample in 0..drawn.decisions.len() {
         let [x, y] = [0, 1].map(|axis: usize| axes[axis].value(&drawn, sample));
         let Some(at) = x.zip(y) else {
             left_out += 1;
             continue;
         };
-        let verdict = verdicts.iter().position(|verdict| *verdict == drawn.decisions[sample].verdict);
-        let kind = if drawn.are_outside[sample] { Some(verdicts.len()) } else { verdict };
-        kinds[kind.unwrap_or(0)].places.push([at.0, at.1]);
+        let kind = match drawn.decisions[sample].verdict {
+            _ if drawn.are_outside[sample] => 4,
+            Verdict::Stable => 0,
+            Verdict::Unstable => 1,
+            Verdict::Undecided => 2,
+            Verdict::Failed => 3,
+        };
+        kinds[kind].places.push([at.0, at.1]);
     }
+    let names = axes.each_ref().map(|axis| axis.described(job));
+    if left_out == samples {
+        let names = [&names[0].title, &names[1].title].map(|name| name.to_lowercase());
+        return Err(Failure::Job(format!(
+            "none of {} of cell {} has both values, {} and {}; choose others with --x and --y, or another cell with --cell",
+            counted(samples.into(), "sample", "samples"),
+            cell.index,
+            names[0],
+            names[1]
+        )));
+    }
+    // The samples of other methods are drawn otherwise.
+    let has_others = arguments.run.is_dir() && !(job.answer() == Answer::Verdict && job.points() == Points::Random);
     let mut notes = vec![format!(
-        "the first {}, drawn at random; {}",
+        "{}, drawn at random{}; {}",
         counted(samples.into(), "sample", "samples"),
+        if has_others { ": the run has others" } else { "" },
         scatter_of(job, cell.index)
     )];
-    notes.extend((left_out > 0).then(|| format!("{left_out} of them have no such value")));
-    let axes = [0, 1].map(|axis: usize| axes[axis].described(job));
+    if drawn.are_outside.contains(&true) {
+        notes.push(format!("outside the model: {}", job.model().outside_meaning()));
+    }
+    let of_no_value = counted(left_out.into(), "sample has", "samples have");
+    notes.extend((left_out > 0).then(|| format!("{of_no_value} no such result, as those outside the model")));
+    let axes = names;
     Ok(ScatterPlot { axes, kinds, title: place(job, cell.index), notes })
 }
 

@@ -24,6 +24,7 @@ pub const AMPLITUDE: RecordedResult = RecordedResult {
     meaning: "half peak to peak of x over disc thickness",
     of: RecordedOf::Unstable,
     is_length: true,
+    has_mean: true,
 };
 
 /// What decides whether a sample is stable.

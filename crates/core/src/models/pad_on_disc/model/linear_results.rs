@@ -35,7 +35,9 @@ impl LinearResult {
                 ("critical_preload", "1", "critical preload", "preload above which steady sliding is unstable")
             }
         };
-        RecordedResult { name, unit, noun, meaning, of: RecordedOf::All, is_length: false }
+        // The critical preload is a constant over what friction drives with, which may be next to nothing.
+        let has_mean = self != Self::CriticalPreload;
+        RecordedResult { name, unit, noun, meaning, of: RecordedOf::All, is_length: false, has_mean }
     }
 
     /// Its value for a brake with these inputs, with the disc of the criterion if that is flexible. `None` where there is
