@@ -73,18 +73,31 @@ class Motion:
         """
         return converted(read(self._file), kind)
 
-    def plot(self, *, columns: Literal[1, 2] | None = None, out: PathLike | None = None) -> Plot:
+    def plot(
+        self,
+        *,
+        start: float | None = None,
+        end: float | None = None,
+        title: str | None = None,
+        columns: Literal[1, 2] | None = None,
+        out: PathLike | None = None,
+    ) -> Plot:
         """Draw displacements, friction and contact force over time, the phase portrait, and the spectrum.
 
         Parameters
         ----------
+        start, end
+            Draw the motion from and up to these times, in seconds; by default all of it.
+        title
+            What to write above the figure.
         columns
             Columns of a paper that the figure fills, 2 by default.
         out
             One file, SVG, PDF or PNG by its name. By default SVG and PNG are drawn into a temporary folder, which is deleted with
             this object.
         """
-        options = [] if columns is None else [f"--columns={columns}"]
+        given = {"from": start, "to": end, "title": title, "columns": columns}
+        options = [f"--{name}={value}" for name, value in given.items() if value is not None]
         if out is not None:
             options.append(f"--out={absolute(out)}")
         plot = Plot._of(written(call(["plot", self._file, *options])))

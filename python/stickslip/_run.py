@@ -19,6 +19,8 @@ from ._process import call, call_json
 from ._tables import Table, TableKind, converted, read
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     import pandas
     import polars
     import pyarrow
@@ -220,21 +222,51 @@ class Run:
     def plot(
         self,
         *,
-        of: Literal["probability", "sobol", "verdicts"] | None = None,
+        of: Literal[
+            "probability",
+            "sobol",
+            "verdicts",
+            "modes",
+            "squeal-frequencies",
+            "inputs",
+            "samples",
+            "convergence",
+            "distribution",
+        ]
+        | None = None,
         cell: int | None = None,
+        result: str | None = None,
+        x: str | None = None,
+        y: str | None = None,
+        samples: int | None = None,
+        at: Mapping[str, float] | None = None,
+        target: float | None = None,
+        title: str | None = None,
         against: PathLike | None = None,
         columns: Literal[1, 2] | None = None,
         out: PathLike | None = None,
         threads: int | None = None,
     ) -> Plot:
-        """Draw the surface.
+        """Draw the surface, or something else of the run.
 
         Parameters
         ----------
         of
             What to draw: ``"probability"`` by default.
         cell
-            With ``of="sobol"``, the cell to draw.
+            The cell of what is drawn of one cell.
+        result
+            With ``of="sobol"`` and ``"distribution"``, the recorded result, for example ``"critical_speed"``.
+        x, y
+            With ``of="samples"``, the random inputs or recorded results that run across and up.
+        samples
+            With ``of="samples"`` and ``"convergence"``, how many samples to draw.
+        at
+            Values of axes of which one is shown alone, for example ``{"rotating_speed": 15.0}``.
+        target
+            Draw the line of this probability.
+        title
+            What to write above the figure.
         against
             Another run: draw the probabilities of this one minus those of the other.
         columns
@@ -250,9 +282,10 @@ class Run:
         arguments = ["plot", str(self.path), *threads_option(threads)]
         if against is not None:
             arguments.append(f"--against={expanded(against)}")
-        for name, value in (("of", of), ("cell", cell), ("columns", columns)):
-            if value is not None:
-                arguments.append(f"--{name}={value}")
+        options = {"of": of, "cell": cell, "result": result, "x": x, "y": y, "samples": samples}
+        options |= {"target": target, "title": title, "columns": columns}
+        arguments += [f"--{name}={value}" for name, value in options.items() if value is not None]
+        arguments += [f"--at={axis}={value}" for axis, value in (at or {}).items()]
         if out is not None:
             arguments.append(f"--out={absolute(out)}")
         return Plot._of(written(call(arguments)))

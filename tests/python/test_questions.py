@@ -55,6 +55,8 @@ def test_a_motion_has_a_summary_a_table_and_a_plot(place: Path) -> None:
     assert (settled.max() - settled.min()) / 2 == pytest.approx(motion.summary["amplitude_mm"], rel=1e-2)
     assert motion.table("arrow").num_rows == motion.table("polars").height == len(table)
     assert "verdict='unstable'" in repr(motion)
+    part = motion.plot(start=1e-3, end=2e-3, title="A millisecond", out="part.svg")
+    assert part.svg is not None and "A millisecond" in part.svg.read_text()
     plot = motion.plot()
     assert plot.svg is not None and plot.svg.is_file()
     del motion

@@ -260,6 +260,12 @@ def test_pictures_and_reports_show_themselves(small: dict[str, Any], place: Path
     assert (alone.svg, alone.png) == (None, place / "one.png")
     assert alone._repr_mimebundle_()["image/png"].startswith("iVBOR")
 
+    scatter = run.plot(of="samples", x="static_friction", y="preload", samples=1e2, title="Brakes", out="scatter.pdf")
+    assert scatter.pdf == place / "scatter.pdf" and scatter.pdf.read_bytes().startswith(b"%PDF")
+    assert run.plot(of="inputs").svg == run.path / "inputs.svg"
+    with pytest.raises(stickslip.JobError, match="nothing"):
+        run.plot(of="distribution")
+
     other = stickslip.run(small, "other", progress=False, seed=8)
     assert other.plot(against=run).svg == other.path / "difference.svg"
 

@@ -8,7 +8,7 @@ const METHODS: [&str; 6] = ["resume", "verify", "plot", "report", "export", "sta
 const FUNCTIONS: [&str; 7] = ["check", "limit", "bounds", "compare", "fit", "analyse", "trajectory"];
 
 /// The options that are arguments of the same name, but for their dashes.
-const ARGUMENTS: [&str; 25] = [
+const ARGUMENTS: [&str; 31] = [
     "out",
     "overwrite",
     "samples",
@@ -19,6 +19,12 @@ const ARGUMENTS: [&str; 25] = [
     "sample",
     "of",
     "against",
+    "result",
+    "x",
+    "y",
+    "at",
+    "target",
+    "title",
     "columns",
     "probability",
     "confidence",
