@@ -121,31 +121,10 @@ fn whole([upper, lower]: [f64; 2]) -> Option<i64> {
 mod tests {
     use std::cell::Cell;
     use std::path::PathBuf;
-    use std::sync::Mutex;
 
     use super::*;
-    use crate::evaluate::remembering::{Keeper, Key};
+    use crate::evaluate::remembering::tests::InMemory;
     use crate::job::JobSource;
-
-    /// Keeps answers in memory.
-    #[derive(Debug, Default)]
-    struct InMemory(Mutex<Vec<f64>>);
-
-    impl Keeper for InMemory {
-        fn known(&self, _: Key) -> Vec<f64> {
-            self.0.lock().unwrap().clone()
-        }
-
-        fn keep(&self, _: Key, first: usize, answers: &[f64]) {
-            let mut known = self.0.lock().unwrap();
-            assert_eq!(known.len(), first);
-            known.extend_from_slice(answers);
-        }
-
-        fn gather(&self, key: Key, first: usize, answers: &[f64]) {
-            self.keep(key, first, answers);
-        }
-    }
 
     /// Criteria and sampling of jobs whose cell is counted in several units.
     const JOBS: [[&str; 2]; 3] = [

@@ -265,7 +265,7 @@ fn part(points: &Points, first: usize, count: usize) -> Points {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use std::cell::Cell;
     use std::sync::Mutex;
 
@@ -276,8 +276,9 @@ mod tests {
 
     use super::*;
 
+    /// Keeps the answers of one search in memory.
     #[derive(Debug, Default)]
-    struct InMemory(Mutex<Vec<f64>>);
+    pub struct InMemory(Mutex<Vec<f64>>);
 
     impl Keeper for InMemory {
         fn known(&self, _: Key) -> Vec<f64> {
