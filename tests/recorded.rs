@@ -408,7 +408,7 @@ fn critical_speeds_and_forces_on_a_belt_have_their_closed_form() {
     let job = "name = \"belt\"\n[model]\nkind = \"belt-oscillator\"\nmass = 2.0\nstiffness = 50.0\ndamping = 0.3\n\
         normal_force = 3.0\nbelt_speed = 0.7\n[model.friction]\nstatic_coefficient = 0.9\nkinetic_coefficient = 0.4\n\
         stribeck_velocity = 0.5\n[random]\ninputs = [\"normal_force\", \"damping\"]\nrelative_std = 0.3\n\
-        [criterion]\nkind = \"eigenvalue\"\nrecord = [\"critical_normal_force\", \"critical_speed\", \"growth_rate\"]\n\
+        [criterion]\nkind = \"eigenvalue\"\nrecord = [\"critical_normal_force\", \"critical_speed\", \"growth_rate\", \"frequency\"]\n\
         [sampling]\nsamples = 500\nseed = 4\n";
     submitted(&place, "belt", job);
     place.run("samples belt --cell 0 --out samples.parquet").done();
@@ -417,6 +417,7 @@ fn critical_speeds_and_forces_on_a_belt_have_their_closed_form() {
     let [forces, dampings, speeds, critical, rates, outside] =
         ["normal_force", "damping", "critical_speed", "critical_normal_force", "growth_rate", "outside_physics"]
             .map(column);
+    let frequencies = samples.column("frequency");
     let mut compared = 0;
     for sample in (0..forces.len()).filter(|&sample| outside[sample] == 0.0 && dampings[sample] > 0.0) {
         // -N mu'(V) = N (f_s - f_c) / v_s exp(-V / v_s) = c where steady sliding loses its stability.
@@ -424,12 +425,53 @@ fn critical_speeds_and_forces_on_a_belt_have_their_closed_form() {
         let speed = (0.5 * (force * 0.5 / (0.5 * damping)).ln()).max(0.0);
         let needed = damping * 0.5 * (0.7_f64 / 0.5).exp() / 0.5;
         let rate = 0.5 * (force * 0.5 / 0.5 * (-0.7_f64 / 0.5).exp() - damping) / 2.0;
-        for (found, expected) in [(speeds[sample], speed), (critical[sample], needed), (rates[sample], rate)] {
+        let frequency = (50.0_f64 / 2.0 - rate * rate).sqrt() / TAU;
+        let pairs = [
+            (speeds[sample], speed),
+            (critical[sample], needed),
+            (rates[sample], rate),
+            (frequencies[sample], frequency),
+        ];
+        for (found, expected) in pairs {
             assert!((found - expected).abs() <= 1e-12 * expected.abs().max(1.0), "{sample}: {found} {expected}");
         }
         compared += 1;
     }
     assert!(compared > 450, "{compared}");
+}
+
+/// Without scatter every sample is the brake that `analyse` looks at; with it, no stable brake above the end of stick-slip
+/// has a cycle.
+#[test]
+fn limit_cycles_of_samples_are_those_that_analyse_finds() {
+    let place = Place::new();
+    let job = |std: f64| {
+        format!(
+            "name = \"cycles\"\n[axes]\npreload = 0.1\nstatic_friction = 0.39\nrotating_speed = [10.0, 20.0, 40.0]\n\
+             [random]\ninputs = [\"preload\"]\nrelative_std = {std}\n[criterion]\nkind = \"eigenvalue\"\n\
+             record = [\"cycle_velocity\", \"cycle_amplitude\", \"cycle_frequency\", \"frequency\"]\n[sampling]\nsamples = 40\n"
+        )
+    };
+    let surface = submitted(&place, "still", &job(0.0));
+    for (cell, speed) in [10.0, 20.0].into_iter().enumerate() {
+        let said = place.run(&format!("analyse --set operating_point.rotating_speed={speed} --json")).done().stdout;
+        let cycle = &serde_json::from_str::<serde_json::Value>(&said).unwrap()["limit_cycle"];
+        let number = |key: &str| cycle[key].as_f64().unwrap();
+        let amplitude = 0.5e-3 * (number("x_max_mm") - number("x_min_mm"));
+        for (name, expected) in [("cycle_amplitude", amplitude), ("cycle_frequency", number("frequency_hz"))] {
+            let found = surface.column(&format!("{name}_mean"))[cell];
+            assert!((found / expected - 1.0).abs() < 1e-6, "{speed} {name}: {found} {expected}");
+        }
+        // Somewhat slower than a harmonic motion of this amplitude, as it sticks.
+        let harmonic = TAU * number("frequency_hz") * amplitude / 2.0_f64.sqrt();
+        let velocity = surface.column("cycle_velocity_mean")[cell];
+        assert!((0.9..1.3).contains(&(velocity / harmonic)), "{speed}: {velocity} {harmonic}");
+    }
+    assert!(surface.column("cycle_velocity_p50")[2].is_nan(), "stick-slip ends at 30.197 rad/s");
+    let scattered = submitted(&place, "scattered", &job(0.2));
+    let [p05, p95] = ["p05", "p95"].map(|kind| scattered.column(&format!("cycle_amplitude_{kind}"))[0]);
+    let middle = surface.column("cycle_amplitude_p50")[0];
+    assert!(p05 < middle && middle < p95, "{p05} {middle} {p95}");
 }
 
 #[test]
@@ -448,7 +490,7 @@ fn results_that_a_criterion_does_not_have_are_refused() {
         ),
         (
             "kind = \"coupled-eigenvalue\"\nrecord = [\"growth_rate\", \"critical_speed\"]",
-            ["\"critical_speed\" is no result", "there is \"growth_rate\""],
+            ["\"critical_speed\" is no result", "there are \"growth_rate\", \"frequency\""],
         ),
         (
             "kind = \"time-domain\"\ndisc = \"rigid\"\nrecord = [\"growth_rate\"]",

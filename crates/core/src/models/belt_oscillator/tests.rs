@@ -110,3 +110,51 @@ fn scales_are_one_so_that_a_start_is_in_metres_and_seconds() {
     let scales = brake.scales();
     assert_eq!((scales.length, scales.time, scales.speed), (1.0, 1.0, 1.0));
 }
+
+#[test]
+fn the_velocity_of_a_limit_cycle_is_that_of_an_independent_integration() {
+    // SciPy 1.17.1, solve_ivp with DOP853, rtol 1e-12, located events, the integral of the square of x' as a third
+    // component; m = k = 1. Normal force, damping, belt speed, exponent, f_s, f_c, v_s; period, root mean square of x',
+    // share in stick.
+    for ([force, damping, speed, exponent, f_s, f_c, v_s], [period, velocity, stick]) in [
+        ([1.0, 0.1, 0.5, 1.0, 1.0, 0.5, 0.5], [6.929_871_535, 0.483_139_059, 0.276_570_895]),
+        ([1.0, 0.1, 1.3, 1.0, 1.0, 0.5, 0.5], [6.343_783_475, 0.991_909_477, 0.108_903_584]),
+        ([1.0, 0.02, 0.3, 2.0, 0.9, 0.4, 0.6], [8.469_692_888, 0.363_803_381, 0.409_693_140]),
+        ([0.4, 0.001, 0.6, 1.0, 0.4, 0.25, 0.2], [6.315_591_133, 0.447_046_762, 0.084_070_288]),
+        ([2.0, 0.3, 0.4, 0.5, 1.0, 0.5, 0.3], [7.367_233_967, 0.434_274_816, 0.397_208_592]),
+        ([0.05, 0.001, 1.5, 1.0, 0.4, 0.25, 0.2], [6.283_217_330, 1.061_290_014, 0.000_653_582]),
+    ] {
+        let friction = Friction {
+            static_coefficient: f_s,
+            kinetic_coefficient: f_c,
+            stribeck_velocity: v_s,
+            stribeck_exponent: exponent,
+            ..oscillator().friction
+        };
+        let oscillator = Oscillator { normal_force: force, damping, belt_speed: speed, friction, ..oscillator() };
+        let brake = PadOnDisc::new(oscillator.as_pad()).unwrap();
+        let cycle = brake.limit_cycle().unwrap();
+        let scales = brake.scales();
+        let found = [
+            1.0 / scales.hertz(1.0 / cycle.period),
+            scales.metres_per_second(brake.rms_velocity(&cycle).unwrap()),
+            cycle.stick_fraction,
+        ];
+        for (found, expected) in found.into_iter().zip([period, velocity, stick]) {
+            // With exponent 0.5 friction falls infinitely steeply at rest, which costs SciPy some digits.
+            assert!((found - expected).abs() < 2e-7, "{force} {damping} {speed}: {found} {expected}");
+        }
+    }
+}
+
+#[test]
+fn the_velocity_of_a_cycle_that_never_sticks_is_nearly_that_of_a_harmonic_one() {
+    let oscillator = Oscillator { normal_force: 0.05, damping: 0.001, belt_speed: 2.2, ..oscillator() };
+    let brake = PadOnDisc::new(oscillator.as_pad()).unwrap();
+    let cycle = brake.limit_cycle().unwrap();
+    assert_eq!(cycle.stick_fraction, 0.0);
+    let amplitude = 0.5 * (cycle.tangential_max - cycle.tangential_min);
+    let harmonic = amplitude * std::f64::consts::TAU / cycle.period / std::f64::consts::SQRT_2;
+    let velocity = brake.rms_velocity(&cycle).unwrap();
+    assert!((velocity / harmonic - 1.0).abs() < 1e-3, "{velocity} {harmonic}");
+}

@@ -150,21 +150,42 @@ enum BeltRecord {
     Amplitude,
     /// Largest real part of the eigenvalues, 1/s. With `kind = "eigenvalue"`.
     GrowthRate,
+    /// Frequency of the eigenvalue with the largest real part, Hz. With `kind = "eigenvalue"`.
+    Frequency,
     /// Highest belt speed at which steady sliding is unstable, m/s; 0 where it is stable at every speed. With `kind =
     /// "eigenvalue"`.
     CriticalSpeed,
+    /// Half peak to peak of x over the stick-slip limit cycle, m. With `kind = "eigenvalue"`.
+    CycleAmplitude,
+    /// Frequency of that cycle, Hz. With `kind = "eigenvalue"`.
+    CycleFrequency,
+    /// Root mean square of x' over that cycle, m/s. With `kind = "eigenvalue"`.
+    CycleVelocity,
     /// Normal force above which steady sliding is unstable, N. With `kind = "eigenvalue"`.
     CriticalNormalForce,
 }
 
 impl RecordedName for BeltRecord {
-    const ALL: &'static [Self] = &[Self::Amplitude, Self::GrowthRate, Self::CriticalSpeed, Self::CriticalNormalForce];
+    const ALL: &'static [Self] = &[
+        Self::Amplitude,
+        Self::GrowthRate,
+        Self::Frequency,
+        Self::CriticalSpeed,
+        Self::CycleAmplitude,
+        Self::CycleFrequency,
+        Self::CycleVelocity,
+        Self::CriticalNormalForce,
+    ];
 
     fn linear(self) -> Option<LinearResult> {
         match self {
             Self::Amplitude => None,
             Self::GrowthRate => Some(LinearResult::GrowthRate),
+            Self::Frequency => Some(LinearResult::Frequency),
             Self::CriticalSpeed => Some(LinearResult::CriticalSpeed),
+            Self::CycleAmplitude => Some(LinearResult::CycleAmplitude),
+            Self::CycleFrequency => Some(LinearResult::CycleFrequency),
+            Self::CycleVelocity => Some(LinearResult::CycleVelocity),
             Self::CriticalNormalForce => Some(LinearResult::CriticalPreload),
         }
     }

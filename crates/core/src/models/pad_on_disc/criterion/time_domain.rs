@@ -452,12 +452,9 @@ impl TimeDomain {
             _ => verdict,
         };
         let is_unstable = verdict == Verdict::Unstable;
-        Decision {
-            verdict,
-            recorded: [amplitude.filter(|_| is_unstable), None, None],
-            time,
-            fed_by: is_unstable.then(|| monitor.fed_by() as usize),
-        }
+        let mut recorded = NOTHING;
+        recorded[0] = amplitude.filter(|_| is_unstable);
+        Decision { verdict, recorded, time, fed_by: is_unstable.then(|| monitor.fed_by() as usize) }
     }
 }
 

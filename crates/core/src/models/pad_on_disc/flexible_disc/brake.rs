@@ -145,6 +145,16 @@ impl FlexibleBrake {
         let values = self.coupled_eigenvalues(inputs)?;
         Ok(values.iter().map(|value| value.re).fold(f64::NEG_INFINITY, f64::max))
     }
+
+    /// The coupled eigenvalue with that real part.
+    ///
+    /// # Errors
+    /// As [`FlexibleBrake::growth_rate`].
+    pub fn least_stable(&self, inputs: RandomInputs) -> Result<Eigenvalue, FlexibleError> {
+        let values = self.coupled_eigenvalues(inputs)?;
+        let least = values.into_iter().reduce(|least, value| if value.re > least.re { value } else { least });
+        Ok(least.unwrap_or(Eigenvalue::new(f64::NEG_INFINITY, 0.0)))
+    }
 }
 
 #[cfg(test)]

@@ -21,7 +21,7 @@ use crate::models::pad_on_disc::rigid_disc::pad_on_disc::{PadOnDisc, RandomInput
 use crate::models::pad_on_disc::rigid_disc::varying_brake::VaryingBrake;
 
 use super::definition::Criterion;
-use super::linear_results::LinearRecord;
+use super::linear_results::{LinearRecord, Sample};
 use super::list::List;
 use super::quantities::{configuration_scalars, error, first_of_start};
 
@@ -184,8 +184,9 @@ impl PadConfiguration {
             _ => None,
         };
         let mut recorded = NOTHING;
+        let sample = Sample::new(&brake, flexible.as_ref(), inputs);
         for (value, result) in recorded.iter_mut().zip(self.record.results()) {
-            *value = result.value(&brake, flexible.as_ref(), inputs);
+            *value = result.value(&sample);
         }
         recorded
     }

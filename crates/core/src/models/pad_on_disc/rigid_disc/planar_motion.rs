@@ -142,7 +142,8 @@ impl PlanarMotion {
         self.comes_to_rest_from((speed * speed + self.stiffness * distance * distance).sqrt())
     }
 
-    fn rate(&self, [x, speed]: [f64; 2]) -> [f64; 2] {
+    /// The derivatives of x and x' in a state of slip.
+    pub(super) fn rate(&self, [x, speed]: [f64; 2]) -> [f64; 2] {
         [speed, self.law.coefficient(self.disc_speed - speed) - self.stiffness * x - self.damping * speed]
     }
 

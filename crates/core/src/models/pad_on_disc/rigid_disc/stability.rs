@@ -84,7 +84,13 @@ impl PadOnDisc {
     /// oscillates. Steady sliding is unstable exactly when it is positive.
     #[must_use]
     pub fn growth_rate(&self) -> f64 {
-        self.tangential_oscillator().eigenvalues()[0].re
+        self.tangential_eigenvalue().re
+    }
+
+    /// That eigenvalue, of the pair the one with the positive imaginary part.
+    #[must_use]
+    pub fn tangential_eigenvalue(&self) -> Eigenvalue {
+        self.tangential_oscillator().eigenvalues()[0]
     }
 
     /// The rotating speeds at which steady sliding is unstable with this preload and friction, in rising order; none if

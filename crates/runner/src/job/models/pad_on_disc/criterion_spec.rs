@@ -206,21 +206,42 @@ pub enum Record {
     Amplitude,
     /// Largest real part of the eigenvalues, 1/s. With `kind = "eigenvalue"` or `"coupled-eigenvalue"`.
     GrowthRate,
+    /// Frequency of the eigenvalue with the largest real part, Hz. With `kind = "eigenvalue"` or `"coupled-eigenvalue"`.
+    Frequency,
     /// Highest rotating speed at which steady sliding is unstable, rad/s; 0 where it is stable at every speed. With `kind
     /// = "eigenvalue"`.
     CriticalSpeed,
+    /// Half peak to peak of x over the stick-slip limit cycle, m. With `kind = "eigenvalue"`.
+    CycleAmplitude,
+    /// Frequency of that cycle, Hz. With `kind = "eigenvalue"`.
+    CycleFrequency,
+    /// Root mean square of x' over that cycle, m/s: radiated power goes with its square. With `kind = "eigenvalue"`.
+    CycleVelocity,
     /// Preload above which steady sliding is unstable. With `kind = "eigenvalue"`.
     CriticalPreload,
 }
 
 impl RecordedName for Record {
-    const ALL: &'static [Self] = &[Self::Amplitude, Self::GrowthRate, Self::CriticalSpeed, Self::CriticalPreload];
+    const ALL: &'static [Self] = &[
+        Self::Amplitude,
+        Self::GrowthRate,
+        Self::Frequency,
+        Self::CriticalSpeed,
+        Self::CycleAmplitude,
+        Self::CycleFrequency,
+        Self::CycleVelocity,
+        Self::CriticalPreload,
+    ];
 
     fn linear(self) -> Option<LinearResult> {
         match self {
             Self::Amplitude => None,
             Self::GrowthRate => Some(LinearResult::GrowthRate),
+            Self::Frequency => Some(LinearResult::Frequency),
             Self::CriticalSpeed => Some(LinearResult::CriticalSpeed),
+            Self::CycleAmplitude => Some(LinearResult::CycleAmplitude),
+            Self::CycleFrequency => Some(LinearResult::CycleFrequency),
+            Self::CycleVelocity => Some(LinearResult::CycleVelocity),
             Self::CriticalPreload => Some(LinearResult::CriticalPreload),
         }
     }
@@ -230,8 +251,9 @@ impl CriterionKind {
     /// What can be recorded of samples that are decided so.
     pub fn recorded(self) -> &'static [Record] {
         match self {
-            Self::Eigenvalue => &[Record::GrowthRate, Record::CriticalSpeed, Record::CriticalPreload],
-            Self::CoupledEigenvalue => &[Record::GrowthRate],
+            // All but the first.
+            Self::Eigenvalue => &Record::ALL[1..],
+            Self::CoupledEigenvalue => &[Record::GrowthRate, Record::Frequency],
             Self::TimeDomain => &[Record::Amplitude],
         }
     }
