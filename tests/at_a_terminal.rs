@@ -12,7 +12,7 @@ use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use common::Place;
+use common::{Place, with_default_signals};
 
 /// Time in which a line is answered, on a busy machine too.
 const PATIENCE: Duration = Duration::from_secs(30);
@@ -31,7 +31,8 @@ impl Terminal {
                 return None;
             }
         }
-        let mut script = Command::new("script");
+        // What runs the tests in the background may have had SIGINT ignored.
+        let mut script = with_default_signals("script");
         script
             .args(["-qec", shell, "/dev/null"])
             .current_dir(place.path(""))
