@@ -220,10 +220,12 @@ fn slow_search(sampling: &str) -> String {
 fn searches_advance(sampling: &str) {
     let place = Place::new();
     place.write("slow.toml", &slow_search(sampling));
-    let (mut before, mut sessions) = ((0, 0), 0);
+    let (mut before, mut sessions, mut idle) = ((0, 0), 0, 0);
     while stopped_after(go_on(&place), 1000) {
         let now = (answers_kept(&place, "run/searches"), samples_done(&place, "run"));
-        assert!(now.0 + now.1 > before.0 + before.1, "no progress in session {sessions}: {now:?}");
+        // On a busy machine a session may be over before it is where the last one ended.
+        idle = if now.0 + now.1 > before.0 + before.1 { 0 } else { idle + 1 };
+        assert!(idle < 4, "no progress up to session {sessions}: {now:?}");
         (before, sessions) = (now, sessions + 1);
     }
     assert!(sessions >= 3 && before.0 > 1000, "it was too short for this test: {sessions} sessions, {before:?}");
