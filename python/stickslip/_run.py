@@ -282,7 +282,7 @@ class Run:
         arguments = ["plot", str(self.path), *threads_option(threads)]
         if against is not None:
             arguments.append(f"--against={expanded(against)}")
-        options = {"of": of, "cell": cell, "result": result, "x": x, "y": y, "samples": samples}
+        options: dict[str, object] = {"of": of, "cell": cell, "result": result, "x": x, "y": y, "samples": samples}
         options |= {"target": target, "title": title, "columns": columns}
         arguments += [f"--{name}={value}" for name, value in options.items() if value is not None]
         arguments += [f"--at={axis}={value}" for axis, value in (at or {}).items()]
