@@ -1,7 +1,8 @@
 //! What models record of samples beside their verdicts.
 
-/// Largest number of results that a model records.
-pub const MOST_RECORDED: usize = 7;
+/// Largest number of results that a model records. Every decision has room for so many: with seven, Sobol indices take twice
+/// the time.
+pub const MOST_RECORDED: usize = 3;
 
 /// The recorded values of a sample, in the order of [`Model::recorded`](super::Model::recorded); `None` where it has none.
 pub type RecordedValues = [Option<f64>; MOST_RECORDED];

@@ -1,6 +1,7 @@
 //! What pads and oscillators record of their samples, as jobs name it.
 
 use serde::Serialize;
+use stickslip_core::model::recorded::MOST_RECORDED;
 use stickslip_core::models::pad_on_disc::model::{LinearRecord, LinearResult};
 
 /// The names of what a model records.
@@ -23,12 +24,21 @@ pub fn names_of<N: RecordedName>(record: LinearRecord) -> Vec<N> {
     N::ALL.iter().copied().filter(is_recorded).collect()
 }
 
-/// Says which of the names is none of those that samples have which are decided by this kind of criterion.
+/// Says which of the names is none of those that samples have which are decided by this kind of criterion, and refuses more
+/// than a model records.
 ///
 /// # Errors
-/// The first such name, and those that there are.
+/// The first such name, and those that there are; or how many are too many.
 pub fn check<N: RecordedName>(names: &[N], known: &[N], kind: &impl Serialize) -> Result<(), String> {
-    let Some(foreign) = names.iter().find(|name| !known.contains(name)) else { return Ok(()) };
+    let Some(foreign) = names.iter().find(|name| !known.contains(name)) else {
+        let distinct = known.iter().filter(|name| names.contains(name)).count();
+        if distinct > MOST_RECORDED {
+            return Err(format!(
+                "criterion.record has {distinct} results, and a run records {MOST_RECORDED} at most; leave some out, or record them in a second run with the same seed, which has the same samples"
+            ));
+        }
+        return Ok(());
+    };
     let are = if known.len() == 1 { "is" } else { "are" };
     let known: Vec<String> = known.iter().map(quoted).collect();
     Err(format!(
