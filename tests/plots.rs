@@ -703,6 +703,9 @@ fn recorded_results_are_drawn_over_an_axis_and_in_a_cell() {
     let undamped = SEEN.replace("[axes]", "[model.damping]\ntangential = 0.0\n[axes]");
     submitted(&place, "undamped", &undamped);
     place.run("plot undamped --of distribution").refused(65, &["no sample of any cell", "critical speed"]);
+    // The report of such a run leaves the picture out.
+    let said = place.run("report undamped").done().stderr;
+    assert!(said.contains("the report leaves a picture out: no sample of any cell"), "{said}");
     place
         .run("plot undamped --of samples --y critical_speed")
         .refused(65, &["none of 2,000 samples", "critical speed"]);

@@ -11,6 +11,7 @@ use super::{FEW_SAMPLES, place};
 use crate::cli::PlotArguments;
 use crate::commands::completion::evaluator_again;
 use crate::evaluate::evaluator::Evaluator;
+use crate::evaluate::parts::Parts;
 use crate::evaluate::unit::FinishedUnit;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
@@ -125,10 +126,9 @@ pub fn convergence(
 
 /// The estimate of a cell; while a run goes on until it is precise, that of a run of as many samples.
 fn estimate(job: &Job, tally: &Tally, cell: u64) -> Estimate {
-    let row = Surface::new(job, tally).row(cell);
     match job.sampling.effort {
-        Effort::Until(_) => job.interval(job.sampling.confidence).estimate(&row.counts),
-        _ => row.estimate,
+        Effort::Until(_) => job.interval(job.sampling.confidence).estimate(&Parts::new(job).counts(tally, cell)),
+        _ => Surface::new(job, tally).row(cell).estimate,
     }
 }
 

@@ -7,8 +7,7 @@ use stickslip_core::model::recorded::RecordedResult;
 use stickslip_sampler::grid::Cell;
 
 use super::{place, unit};
-use crate::evaluate::parts::Parts;
-use crate::evaluate::unit::{Recorded, add_recorded};
+use crate::evaluate::unit::Recorded;
 use crate::failure::Failure;
 use crate::job::Job;
 use crate::output::{counted, note};
@@ -23,6 +22,7 @@ use crate::plot::form::Form;
 use crate::plot::panel::Axis;
 use crate::store::directory::RunDirectory;
 use crate::tables::finished::FinishedSurface;
+use crate::tables::surface::Surface;
 
 /// The picture of the quantiles over an axis, and its name; `None` where the cells make no curves.
 ///
@@ -40,11 +40,7 @@ pub fn along(
     let view = GridView::new(&surface.job).titled(title);
     let along = match Form::for_grid(&view) {
         Some(Form::Curves(along)) => along,
-        Some(Form::Area { .. }) => {
-            note(format_args!("over two axes quantiles make no curves; the histogram of one cell is drawn"));
-            return Ok(None);
-        }
-        None => return Ok(None),
+        _ => return Ok(None),
     };
     left_out(&view).iter().for_each(|what| note(format_args!("{what}")));
     let columns = ["p50", "p05", "p95"].map(|kind| format!("{}_{kind}", result.name));
@@ -72,43 +68,58 @@ pub fn along(
     Ok(Some((curves.figure(width), format!("distribution-{}", result.name))))
 }
 
-/// The picture of one cell of a run, and its name.
-///
-/// # Errors
-/// As [`along`], and a cell whose samples have no such value.
-pub fn of_cell(path: &Path, job: &Job, cell: &Cell, name: Option<&str>) -> Result<(DistributionPlot, String), Failure> {
-    require_run(path)?;
-    let (at, result) = chosen(job, name)?;
-    let tally = RunDirectory::view(path)?.tally(job)?;
-    let mut recorded = Recorded::default();
-    let parts = Parts::new(job);
-    for part in parts.in_cell(cell.index) {
-        tally.recorded(part).into_iter().for_each(|of_part| add_recorded(&mut recorded, of_part));
+/// What is recorded of one cell of a run.
+pub struct RecordedCell<'a> {
+    path: &'a Path,
+    job: &'a Job,
+    cell: &'a Cell,
+    recorded: Recorded,
+    samples: u64,
+}
+
+impl<'a> RecordedCell<'a> {
+    /// Reads it from the pieces of the run.
+    ///
+    /// # Errors
+    /// A path that is no run, and pieces that cannot be read.
+    pub fn read(path: &'a Path, job: &'a Job, cell: &'a Cell) -> Result<Self, Failure> {
+        require_run(path)?;
+        let tally = RunDirectory::view(path)?.tally(job)?;
+        let row = Surface::new(job, &tally).row(cell.index);
+        Ok(Self { path, job, cell, recorded: row.recorded, samples: row.counts.total() })
     }
-    let values = std::mem::take(&mut recorded[at]);
-    let Some(mean) = values.mean() else {
-        return Err(without_value(path, &format!("cell {}", cell.index), result));
-    };
-    let mean = if result.has_mean { format!(", mean {}", rounded(significant(mean))) } else { String::new() };
-    let samples: u64 = parts.in_cell(cell.index).map(|part| tally.counts(part).total()).sum();
-    let plot = DistributionPlot {
-        samples: result.of.nouns()[1].to_owned(),
-        title: capitalised(result.noun),
-        unit: unit(result.unit).to_owned(),
-        heading: place(job, cell.index),
-        notes: vec![
-            format!(
-                "{} of {} have a {}{mean}; {}",
-                HumanCount(values.count()),
-                counted(samples.into(), "sample", "samples"),
-                result.noun,
-                scatter(job, cell.index)
-            ),
-            format!("{}: {}", result.noun, result.meaning),
-        ],
-        values,
-    };
-    Ok((plot, format!("distribution-{}", result.name)))
+
+    /// The picture of a result, and its name.
+    ///
+    /// # Errors
+    /// A result that the run does not record, and one that no sample has.
+    pub fn plot(&self, name: Option<&str>) -> Result<(DistributionPlot, String), Failure> {
+        let Self { path, job, cell, .. } = *self;
+        let (at, result) = chosen(job, name)?;
+        let values = self.recorded[at].clone();
+        let Some(mean) = values.mean() else {
+            return Err(without_value(path, &format!("cell {}", cell.index), result));
+        };
+        let mean = if result.has_mean { format!(", mean {}", rounded(significant(mean))) } else { String::new() };
+        let plot = DistributionPlot {
+            samples: result.of.nouns()[1].to_owned(),
+            title: capitalised(result.noun),
+            unit: unit(result.unit).to_owned(),
+            heading: place(job, cell.index),
+            notes: vec![
+                format!(
+                    "{} of {} have a {}{mean}; {}",
+                    HumanCount(values.count()),
+                    counted(self.samples.into(), "sample", "samples"),
+                    result.noun,
+                    scatter(job, cell.index)
+                ),
+                format!("{}: {}", result.noun, result.meaning),
+            ],
+            values,
+        };
+        Ok((plot, format!("distribution-{}", result.name)))
+    }
 }
 
 /// A recorded result with its place among them: the one of this name, or the first.

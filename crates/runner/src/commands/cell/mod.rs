@@ -15,6 +15,7 @@ use crate::plot::canvas::Canvas;
 use crate::plot::scatter::Value;
 use crate::report::{PICTURE_WIDTH, Picture, PictureKind};
 
+use self::distribution::RecordedCell;
 use super::drawn_samples::{Add, DrawnSamples, draw};
 use super::one_brake::{cell_of, middle};
 use stickslip_core::model::IsStopped;
@@ -42,11 +43,12 @@ const UNIT_SAMPLES: u64 = 50;
 /// As the pictures themselves.
 pub fn figure(arguments: &PlotArguments, width: f64, interrupt: &Interrupt) -> Result<(Canvas, PathBuf), Failure> {
     let path = arguments.run.as_path();
-    if let (PlotQuantity::Distribution, None) = (arguments.of, arguments.cell)
-        && let Some((canvas, name)) =
-            distribution::along(path, arguments.result.as_deref(), arguments.title.clone(), width)?
-    {
-        return Ok((canvas, beside(path, &name)));
+    if let (PlotQuantity::Distribution, None) = (arguments.of, arguments.cell) {
+        let curves = distribution::along(path, arguments.result.as_deref(), arguments.title.clone(), width)?;
+        if let Some((canvas, name)) = curves {
+            return Ok((canvas, beside(path, &name)));
+        }
+        note(format_args!("quantiles make curves over one long axis; here the histogram of one cell is drawn"));
     }
     let (job, cell) = cell_of(path, arguments.cell)?;
     let (canvas, name) = match arguments.of {
@@ -61,7 +63,8 @@ pub fn figure(arguments: &PlotArguments, width: f64, interrupt: &Interrupt) -> R
             (plot.figure(width), "convergence".to_owned())
         }
         PlotQuantity::Distribution => {
-            let (mut plot, name) = distribution::of_cell(path, &job, &cell, arguments.result.as_deref())?;
+            let recorded = RecordedCell::read(path, &job, &cell)?;
+            let (mut plot, name) = recorded.plot(arguments.result.as_deref())?;
             titled(&mut plot.heading, arguments);
             (plot.figure(width), name)
         }
@@ -88,11 +91,19 @@ pub fn pictures(job: &Job, path: &Path) -> Result<Vec<Picture>, Failure> {
     if !job.random.scatters_nothing() {
         add(PictureKind::Inputs, inputs::inputs(job, &cell).map(|plot| plot.figure(PICTURE_WIDTH)))?;
     }
+    let mut recorded = None;
     for result in job.model().recorded() {
         let name = Some(result.name);
-        let figure = match distribution::along(path, name, None, PICTURE_WIDTH)? {
-            Some((canvas, _)) => Ok(canvas),
-            None => distribution::of_cell(path, job, &cell, name).map(|(plot, _)| plot.figure(PICTURE_WIDTH)),
+        let figure = match distribution::along(path, name, None, PICTURE_WIDTH) {
+            Ok(Some((canvas, _))) => Ok(canvas),
+            Ok(None) => {
+                let recorded = match &recorded {
+                    Some(recorded) => recorded,
+                    None => recorded.insert(RecordedCell::read(path, job, &cell)?),
+                };
+                recorded.plot(name).map(|(plot, _)| plot.figure(PICTURE_WIDTH))
+            }
+            Err(why) => Err(why),
         };
         add(PictureKind::Distributions, figure)?;
     }
