@@ -11,7 +11,7 @@ use stickslip_core::model::Model;
 use stickslip_core::model::quantity::{Quantity, Role};
 use stickslip_core::models::belt_oscillator::{BeltCriterion, BeltOscillator, Oscillator, quantities};
 use stickslip_core::models::pad_on_disc::criterion::settings::TimeDomainSettings;
-use stickslip_core::models::pad_on_disc::model::{Criterion, LinearResult};
+use stickslip_core::models::pad_on_disc::model::Criterion;
 use stickslip_core::models::pad_on_disc::motion::start::{GivenStart, Start};
 use stickslip_core::models::pad_on_disc::parameters::{Friction, ParameterError, Parameters};
 use stickslip_core::models::pad_on_disc::rigid_disc::pad_on_disc::PadOnDisc;
@@ -176,19 +176,6 @@ impl RecordedName for BeltRecord {
         Self::CycleVelocity,
         Self::CriticalNormalForce,
     ];
-
-    fn linear(self) -> Option<LinearResult> {
-        match self {
-            Self::Amplitude => None,
-            Self::GrowthRate => Some(LinearResult::GrowthRate),
-            Self::Frequency => Some(LinearResult::Frequency),
-            Self::CriticalSpeed => Some(LinearResult::CriticalSpeed),
-            Self::CycleAmplitude => Some(LinearResult::CycleAmplitude),
-            Self::CycleFrequency => Some(LinearResult::CycleFrequency),
-            Self::CycleVelocity => Some(LinearResult::CycleVelocity),
-            Self::CriticalNormalForce => Some(LinearResult::CriticalPreload),
-        }
-    }
 }
 
 /// A state that a motion starts in. What is left out is as in steady sliding.
@@ -565,6 +552,22 @@ impl From<&Criterion> for BeltCriterionSpec {
             horizon: Some(written(settings.horizon)),
             record: settings.record_amplitude.then(|| written(vec![BeltRecord::Amplitude])),
             ..of_kind(BeltKind::TimeDomain)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_those_of_the_pads_columns_but_for_the_force() {
+        for name in BeltRecord::ALL {
+            let column = match name.linear().map_or("amplitude", |result| result.described().name) {
+                "critical_preload" => "critical_normal_force",
+                of_pad => of_pad,
+            };
+            assert_eq!(serde_json::to_value(name).unwrap(), column);
         }
     }
 }

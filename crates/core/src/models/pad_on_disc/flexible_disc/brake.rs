@@ -142,8 +142,7 @@ impl FlexibleBrake {
     /// # Errors
     /// [`FlexibleError`] if there is no equilibrium, or if the eigenvalues do not converge.
     pub fn growth_rate(&self, inputs: RandomInputs) -> Result<f64, FlexibleError> {
-        let values = self.coupled_eigenvalues(inputs)?;
-        Ok(values.iter().map(|value| value.re).fold(f64::NEG_INFINITY, f64::max))
+        Ok(self.least_stable(inputs)?.re)
     }
 
     /// The coupled eigenvalue with that real part.
