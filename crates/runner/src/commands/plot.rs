@@ -107,54 +107,62 @@ fn check(arguments: &PlotArguments) -> Result<(), Failure> {
             arguments.run.display()
         )));
     }
-    if arguments.against.is_some() && !is_probability {
-        return Err(Failure::Usage("--against draws the difference of probabilities; leave --of out".to_owned()));
-    }
-    if arguments.cell.is_some() && arguments.of != PlotQuantity::Sobol && !is_of_modes && !of_a_cell {
-        return Err(Failure::Usage(
-            "--cell chooses the cell of --of sobol, modes, squeal-frequencies, inputs, samples, convergence and distribution; other plots show all cells"
-                .to_owned(),
-        ));
-    }
     let is_of_run = is_probability && !arguments.run.is_file();
-    if !arguments.at.is_empty() && !is_of_run {
-        let message = "--at is for the probability of a run and for --against; leave it out, or --of";
-        return Err(Failure::Usage(message.to_owned()));
-    }
-    if arguments.target.is_some() && (!is_of_run || arguments.against.is_some()) {
-        let message = "--target is for the probability of a run; leave it out, or --of and --against";
-        return Err(Failure::Usage(message.to_owned()));
-    }
     let has_heading = of_a_cell && !matches!(arguments.of, PlotQuantity::Probability | PlotQuantity::Inputs);
-    if arguments.title.is_some() && !is_of_run && !is_motion && !has_heading {
-        let message = "--title is for the probability of a run, for --against, motions, samples, convergence and distribution; leave it out";
-        return Err(Failure::Usage(message.to_owned()));
-    }
-    if arguments.from.or(arguments.to).is_some() && !is_motion {
-        let message = "--from and --to choose the time of a motion, and need a file that trajectory or replay wrote";
-        return Err(Failure::Usage(message.to_owned()));
-    }
-    if arguments.result.is_some() && !matches!(arguments.of, PlotQuantity::Sobol | PlotQuantity::Distribution) {
-        return Err(Failure::Usage(
-            "--result chooses the result of --of sobol and distribution; leave it out".to_owned(),
-        ));
-    }
-    let of_samples = [("--x", arguments.x.is_some()), ("--y", arguments.y.is_some())];
-    if let Some((option, _)) = of_samples.iter().find(|(_, is_given)| *is_given)
-        && arguments.of != PlotQuantity::Samples
-    {
-        return Err(Failure::Usage(format!("{option} chooses what --of samples draws; leave it out")));
-    }
-    if arguments.samples == Some(0) {
-        return Err(Failure::Usage("--samples 0: there is nothing to draw; give 1 or more".to_owned()));
-    }
-    if arguments.samples.is_some() && !matches!(arguments.of, PlotQuantity::Samples | PlotQuantity::Convergence) {
-        return Err(Failure::Usage("--samples is for --of samples and convergence; leave it out".to_owned()));
-    }
-    if arguments.along.is_some() && arguments.of != PlotQuantity::Modes {
-        return Err(Failure::Usage("--along chooses the parameter of --of modes; leave it out".to_owned()));
-    }
-    Ok(())
+    let is_of = |quantities: &[PlotQuantity]| quantities.contains(&arguments.of);
+    // Options that are given, whether they may be, and what is said if not.
+    let rules = [
+        (
+            arguments.against.is_some(),
+            is_probability,
+            "--against draws the difference of probabilities; leave --of out",
+        ),
+        (
+            arguments.cell.is_some(),
+            is_of(&[PlotQuantity::Sobol]) || is_of_modes || of_a_cell,
+            "--cell chooses the cell of --of sobol, modes, squeal-frequencies, inputs, samples, convergence and distribution; other plots show all cells",
+        ),
+        (
+            !arguments.at.is_empty(),
+            is_of_run,
+            "--at is for the probability of a run and for --against; leave it out, or --of",
+        ),
+        (
+            arguments.target.is_some(),
+            is_of_run && arguments.against.is_none(),
+            "--target is for the probability of a run; leave it out, or --of and --against",
+        ),
+        (
+            arguments.title.is_some(),
+            is_of_run || is_motion || has_heading,
+            "--title is for the probability of a run, for --against, motions, samples, convergence and distribution; leave it out",
+        ),
+        (
+            arguments.from.or(arguments.to).is_some(),
+            is_motion,
+            "--from and --to choose the time of a motion, and need a file that trajectory or replay wrote",
+        ),
+        (
+            arguments.result.is_some(),
+            is_of(&[PlotQuantity::Sobol, PlotQuantity::Distribution]),
+            "--result chooses the result of --of sobol and distribution; leave it out",
+        ),
+        (arguments.x.is_some(), is_of(&[PlotQuantity::Samples]), "--x chooses what --of samples draws; leave it out"),
+        (arguments.y.is_some(), is_of(&[PlotQuantity::Samples]), "--y chooses what --of samples draws; leave it out"),
+        (arguments.samples == Some(0), false, "--samples 0: there is nothing to draw; give 1 or more"),
+        (
+            arguments.samples.is_some(),
+            is_of(&[PlotQuantity::Samples, PlotQuantity::Convergence]),
+            "--samples is for --of samples and convergence; leave it out",
+        ),
+        (
+            arguments.along.is_some(),
+            is_of(&[PlotQuantity::Modes]),
+            "--along chooses the parameter of --of modes; leave it out",
+        ),
+    ];
+    let broken = rules.into_iter().find(|(is_given, may_be, _)| *is_given && !may_be);
+    broken.map_or(Ok(()), |(.., message)| Err(Failure::Usage(message.to_owned())))
 }
 
 /// The figure of a run, and where it is written if no file is given, without an extension.
