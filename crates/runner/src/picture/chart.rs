@@ -1,6 +1,6 @@
 //! What a drawing shows: curves and points over two axes. The terminal and plots draw the same chart.
 
-use crate::picture::scale::{Scale, superscript};
+use crate::picture::scale::{Scale, ends, superscript};
 use crate::picture::view::rounded;
 use crate::units::significant;
 
@@ -140,9 +140,7 @@ impl Chart {
     /// What the chart shows in a sentence, for those who do not see it.
     pub fn description(&self) -> String {
         let range = |values: &mut dyn Iterator<Item = f64>| {
-            let ends = values.filter(|value| value.is_finite());
-            let (low, high) =
-                ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
+            let [low, high] = ends(values.filter(|value| value.is_finite()));
             if low <= high { format!(" from {} to {}", significant(low), significant(high)) } else { String::new() }
         };
         let points = || self.series.iter().flat_map(|series| &series.points);

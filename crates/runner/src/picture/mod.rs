@@ -7,6 +7,7 @@ use crate::picture::chart::{Chart, ChartAxis, Form, Series};
 use crate::picture::panels::MOST_PANELS;
 use crate::picture::scale::Scale;
 use crate::picture::terminal::drawn;
+use crate::picture::title::capitalised;
 use crate::picture::view::{GridView, Slice, ViewAxis, is_family, label, rounded};
 use crate::tables::row::SurfaceRow;
 use crate::tables::surface::Surface;
@@ -237,15 +238,6 @@ fn table(
     text + "\n"
 }
 
-/// A name at the beginning of a title; the keys of the model stay as they are written.
-fn capitalised(name: &str) -> String {
-    if name.contains('.') {
-        return name.to_owned();
-    }
-    let mut letters = name.chars();
-    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
-}
-
 /// A number in five characters.
 fn narrow(value: f64) -> String {
     if (-0.1..=-0.01).contains(&value) {
@@ -364,7 +356,10 @@ fn curves(
     }
     let job = surface.job();
     let title = format!("Probability of instability{}", slice.title(job));
-    let horizontal = ChartAxis::new(&capitalised(along.key()), along.unit(), Scale::for_values(&along.values));
+    // The keys of the model stay as they are written.
+    let key = along.key();
+    let name = if key.contains('.') { key.to_owned() } else { capitalised(key) };
+    let horizontal = ChartAxis::new(&name, along.unit(), Scale::for_values(&along.values));
     let vertical = ChartAxis::new("P", "", Scale::linear(0.0, top));
     let mut chart = Chart::new(title, horizontal, vertical, series);
     chart.note = format!("shaded: {}", job.sampling.method.interval(&job.sampling));

@@ -22,6 +22,11 @@ pub struct Tick {
     pub label: String,
 }
 
+/// The least and the greatest of some values; infinity and minus infinity if there are none.
+pub fn ends(values: impl Iterator<Item = f64>) -> [f64; 2] {
+    values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)])
+}
+
 impl Scale {
     /// From one value to another.
     pub fn linear(from: f64, to: f64) -> Self {
@@ -38,9 +43,7 @@ impl Scale {
 
     /// The range of values with some space around it. Values that hardly differ are drawn as one.
     pub fn around(values: impl Iterator<Item = f64>) -> Self {
-        let known = values.filter(|value| value.is_finite());
-        let (low, high) =
-            known.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
+        let [low, high] = ends(values.filter(|value| value.is_finite()));
         if low > high {
             return Self::linear(0.0, 1.0);
         }

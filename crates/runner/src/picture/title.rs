@@ -14,8 +14,7 @@ pub fn title(quantity: &Quantity) -> String {
 /// A noun as the beginning of a title.
 pub fn capitalised(noun: &str) -> String {
     let mut letters = noun.chars();
-    let first = letters.next().map(|letter| letter.to_uppercase().to_string()).unwrap_or_default();
-    format!("{first}{}", letters.as_str())
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
 /// A symbol in Greek letters and with its index, where it is written out.

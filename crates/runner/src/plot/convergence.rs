@@ -4,7 +4,7 @@ use stickslip_sampler::estimate::interval::Estimate;
 
 use crate::picture::scale::Scale;
 use crate::plot::canvas::{Canvas, GREY, Pen, Place, Rgb};
-use crate::plot::panel::{ABOVE, Arrangement, Axis, Layout, RIGHT, heading, in_lines, space_of, write_notes};
+use crate::plot::panel::{Axis, OnePanel};
 
 /// Height of the panel over its width.
 const ASPECT: f64 = 0.55;
@@ -24,10 +24,8 @@ pub struct ConvergencePlot {
 impl ConvergencePlot {
     /// The figure, this wide in pixels.
     pub fn figure(&self, width: f64) -> Canvas {
-        let notes = in_lines(&self.notes, width);
-        let layout = Layout { above: ABOVE, right: RIGHT, below: space_of(&notes), aspect: ASPECT, most_columns: 1 };
-        let Arrangement { panels, height } = layout.arrange(1, width);
-        let mut canvas = Canvas::new(width, height);
+        let mut figure = OnePanel::new(width, ASPECT, 0.0, &self.notes);
+        let OnePanel { canvas, panel, .. } = &mut figure;
         let ends = [self.estimates.first(), self.estimates.last()].map(|end| end.map_or(1.0, |(n, _)| *n as f64));
         let across =
             Axis { scale: Scale::logarithmic(ends[0], ends[1]), title: self.across.clone(), unit: String::new() };
@@ -40,25 +38,20 @@ impl ConvergencePlot {
             title: "Probability of instability P".to_owned(),
             unit: String::new(),
         };
-        for panel in &panels {
-            let place = |(samples, value): (u64, f64)| -> Place {
-                panel.place(across.scale.at(samples as f64), up.scale.at(value).clamp(0.0, 1.0))
-            };
-            let along = |value: fn(&Estimate) -> f64| -> Vec<Place> {
-                self.estimates.iter().map(|(samples, estimate)| place((*samples, value(estimate)))).collect()
-            };
-            let (low, high) = (along(|estimate| estimate.low), along(|estimate| estimate.high));
-            canvas.area(&[low.into_iter().chain(high.into_iter().rev()).collect()], COLOUR, 0.25);
-            let known = self.estimates.iter().filter_map(|(samples, of)| Some((*samples, of.probability?)));
-            let known: Vec<Place> = known.map(place).collect();
-            if let Some(last) = known.last() {
-                canvas.dashes(&[(panel.left, last.1), *last], Pen::new(GREY, 0.9));
-            }
-            canvas.lines(&known, Pen::new(COLOUR, 1.6));
-            panel.frame(&mut canvas, &across, &up);
-            heading(&mut canvas, panel, &self.title);
+        let place = |(samples, value): (u64, f64)| -> Place {
+            panel.place(across.scale.at(samples as f64), up.scale.at(value).clamp(0.0, 1.0))
+        };
+        let along = |value: fn(&Estimate) -> f64| -> Vec<Place> {
+            self.estimates.iter().map(|(samples, estimate)| place((*samples, value(estimate)))).collect()
+        };
+        let (low, high) = (along(|estimate| estimate.low), along(|estimate| estimate.high));
+        canvas.area(&[low.into_iter().chain(high.into_iter().rev()).collect()], COLOUR, 0.25);
+        let known = self.estimates.iter().filter_map(|(samples, of)| Some((*samples, of.probability?)));
+        let known: Vec<Place> = known.map(place).collect();
+        if let Some(last) = known.last() {
+            canvas.dashes(&[(panel.left, last.1), *last], Pen::new(GREY, 0.9));
         }
-        write_notes(&mut canvas, &notes, (width, height));
-        canvas
+        canvas.lines(&known, Pen::new(COLOUR, 1.6));
+        figure.finish(&across, &up, &self.title)
     }
 }

@@ -6,7 +6,7 @@ use crate::picture::scale::Scale;
 use crate::picture::view::rounded;
 use crate::plot::canvas::{BLACK, Canvas, GREY, Pen, Rgb, Side};
 use crate::plot::histogram::Histogram;
-use crate::plot::panel::{ABOVE, Arrangement, Axis, Layout, RIGHT, SMALL, heading, in_lines, space_of, write_notes};
+use crate::plot::panel::{Axis, OnePanel, SMALL};
 
 /// Height of the panel over its width.
 const ASPECT: f64 = 0.55;
@@ -45,10 +45,8 @@ pub struct DistributionPlot {
 impl DistributionPlot {
     /// The figure, this wide in pixels.
     pub fn figure(&self, width: f64) -> Canvas {
-        let notes = in_lines(&self.notes, width);
-        let layout = Layout { above: ABOVE, right: RIGHT, below: space_of(&notes), aspect: ASPECT, most_columns: 1 };
-        let Arrangement { panels, height } = layout.arrange(1, width);
-        let mut canvas = Canvas::new(width, height);
+        let mut figure = OnePanel::new(width, ASPECT, 0.0, &self.notes);
+        let OnePanel { canvas, panel, .. } = &mut figure;
         let quantile = |share: f64| self.values.quantile(share).unwrap_or(0.0);
         let [low, _, high] = QUANTILES.map(quantile);
         let reach = FARTHEST * (high - low);
@@ -68,24 +66,19 @@ impl DistributionPlot {
             title: format!("Share of the {}", self.samples),
             unit: String::new(),
         };
-        for panel in &panels {
-            histogram.draw(&mut canvas, panel, [&across, &up], share, COLOUR);
-            for (number, share) in QUANTILES.into_iter().enumerate() {
-                let at = across.scale.at(quantile(share));
-                let (foot, head) = (panel.place(at, 0.0), panel.place(at, 1.0));
-                canvas.dashes(&[foot, head], Pen::new(GREY, 1.0));
-                // Beside each other they would cover each other, and the last would leave the panel.
-                let (side, beside) = if at > 0.5 { (Side::Left, -3.0) } else { (Side::Right, 3.0) };
-                let value = format!("{} {}", rounded(significant(quantile(share))), self.unit);
-                let name = format!("{} %: {}", rounded(100.0 * share), value.trim_end());
-                let below = head.1 + NAME * (1 + number) as f64;
-                canvas.text((head.0 + beside, below), &name, SMALL - 2, side, 0.0, BLACK);
-            }
-            panel.frame(&mut canvas, &across, &up);
-            heading(&mut canvas, panel, &self.heading);
+        histogram.draw(canvas, panel, [&across, &up], share, COLOUR);
+        for (number, share) in QUANTILES.into_iter().enumerate() {
+            let at = across.scale.at(quantile(share));
+            let (foot, head) = (panel.place(at, 0.0), panel.place(at, 1.0));
+            canvas.dashes(&[foot, head], Pen::new(GREY, 1.0));
+            // Beside each other they would cover each other, and the last would leave the panel.
+            let (side, beside) = if at > 0.5 { (Side::Left, -3.0) } else { (Side::Right, 3.0) };
+            let value = format!("{} {}", rounded(significant(quantile(share))), self.unit);
+            let name = format!("{} %: {}", rounded(100.0 * share), value.trim_end());
+            let below = head.1 + NAME * (1 + number) as f64;
+            canvas.text((head.0 + beside, below), &name, SMALL - 2, side, 0.0, BLACK);
         }
-        write_notes(&mut canvas, &notes, (width, height));
-        canvas
+        figure.finish(&across, &up, &self.heading)
     }
 }
 

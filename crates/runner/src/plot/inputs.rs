@@ -1,6 +1,6 @@
 //! The distributions of random inputs, one beside the other, and the correlated ones over each other.
 
-use crate::picture::scale::Scale;
+use crate::picture::scale::{Scale, ends};
 use crate::plot::canvas::{Canvas, GREY, Pen, Place, Rgb};
 use crate::plot::histogram::Histogram;
 use crate::plot::legend::Legend;
@@ -122,9 +122,8 @@ impl InputPanel {
 
     fn draw(&self, canvas: &mut Canvas, panel: &Panel) {
         let across = self.axis();
-        let [low, high] =
-            self.drawn.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(*x), high.max(*x)]);
-        let histogram = Histogram::new(self.drawn.iter().map(|value| (*value, 1)), [low, high], BARS);
+        let histogram =
+            Histogram::new(self.drawn.iter().map(|value| (*value, 1)), ends(self.drawn.iter().copied()), BARS);
         let density = 1.0 / (histogram.width() * self.drawn.len().max(1) as f64);
         // A density may be infinite at its ends.
         let drawn = density * histogram.highest() as f64;

@@ -174,6 +174,42 @@ impl Layout {
     }
 }
 
+/// A figure of one panel, with notes below it, while it is drawn.
+pub struct OnePanel {
+    pub canvas: Canvas,
+    pub panel: Panel,
+    notes: Vec<String>,
+    height: f64,
+    below: f64,
+}
+
+impl OnePanel {
+    /// A figure this wide in pixels, whose panel has a height of `aspect` times its width; `between` is left free between
+    /// the panel and the notes.
+    pub fn new(width: f64, aspect: f64, between: f64, notes: &[String]) -> Self {
+        let notes = in_lines(notes, width);
+        let below = between + space_of(&notes);
+        let panel =
+            Panel { left: LEFT, top: ABOVE, width: width - RIGHT - LEFT, height: aspect * (width - RIGHT - LEFT) };
+        let height = ABOVE + panel.height + BELOW + below;
+        Self { canvas: Canvas::new(width, height), panel, notes, height, below }
+    }
+
+    /// The top of what is left free.
+    pub fn between(&self) -> f64 {
+        self.height - self.below
+    }
+
+    /// Draws the frame over what was drawn, the title above it and the notes below.
+    pub fn finish(mut self, across: &Axis, up: &Axis, title: &str) -> Canvas {
+        self.panel.frame(&mut self.canvas, across, up);
+        heading(&mut self.canvas, &self.panel, title);
+        let size = (self.canvas.width, self.height);
+        write_notes(&mut self.canvas, &self.notes, size);
+        self.canvas
+    }
+}
+
 /// Writes the title of a slice of a grid above its panel, in two lines where it is long.
 pub fn heading(canvas: &mut Canvas, panel: &Panel, title: &str) {
     let title = title.trim_start_matches([' ', ';']).trim_start_matches("at ");

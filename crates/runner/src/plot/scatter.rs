@@ -5,7 +5,7 @@ use indicatif::HumanCount;
 use crate::picture::scale::Scale;
 use crate::plot::canvas::{Canvas, Rgb};
 use crate::plot::legend::Legend;
-use crate::plot::panel::{ABOVE, Arrangement, Axis, LEFT, Layout, RIGHT, heading, in_lines, space_of, write_notes};
+use crate::plot::panel::{Axis, LEFT, OnePanel, RIGHT};
 
 /// Height of the panel over its width.
 const ASPECT: f64 = 0.62;
@@ -43,33 +43,26 @@ pub struct ScatterPlot {
 impl ScatterPlot {
     /// The figure, this wide in pixels.
     pub fn figure(&self, width: f64) -> Canvas {
-        let notes = in_lines(&self.notes, width);
         let is_there = |points: &&Kind| !points.places.is_empty();
         let entries = self.kinds.iter().filter(is_there);
         let entries = entries
             .map(|points| (points.colour, format!("{} ({})", points.name, HumanCount(points.places.len() as u64))));
         let legend = Legend::new(entries.collect(), width - LEFT - RIGHT);
-        let below = BEFORE + legend.height() + space_of(&notes);
-        let layout = Layout { above: ABOVE, right: RIGHT, below, aspect: ASPECT, most_columns: 1 };
-        let Arrangement { panels, height } = layout.arrange(1, width);
-        let mut canvas = Canvas::new(width, height);
+        let mut figure = OnePanel::new(width, ASPECT, BEFORE + legend.height(), &self.notes);
+        let under = (figure.panel.left, figure.between() + BEFORE);
+        let OnePanel { canvas, panel, .. } = &mut figure;
         let all = || self.kinds.iter().flat_map(|points| &points.places);
         let [across, up] = [0, 1].map(|axis| Axis {
             scale: Scale::around(all().map(|place| place[axis])),
             title: self.axes[axis].title.clone(),
             unit: self.axes[axis].unit.clone(),
         });
-        for panel in &panels {
-            for Kind { places, colour, .. } in &self.kinds {
-                for [right, high] in places {
-                    canvas.dot(panel.place(across.scale.at(*right), up.scale.at(*high)), POINT, *colour);
-                }
+        for Kind { places, colour, .. } in &self.kinds {
+            for [right, high] in places {
+                canvas.dot(panel.place(across.scale.at(*right), up.scale.at(*high)), POINT, *colour);
             }
-            panel.frame(&mut canvas, &across, &up);
-            heading(&mut canvas, panel, &self.title);
-            legend.draw(&mut canvas, (panel.left, height - below + BEFORE));
         }
-        write_notes(&mut canvas, &notes, (width, height));
-        canvas
+        legend.draw(canvas, under);
+        figure.finish(&across, &up, &self.title)
     }
 }

@@ -11,6 +11,7 @@ use crate::evaluate::samples::{Drawing, Samples};
 use crate::failure::Failure;
 use crate::job::Job;
 use crate::output::counted;
+use crate::picture::scale::ends;
 use crate::picture::view::rounded;
 use crate::plot::inputs::{InputPanel, InputsPlot, PairPanel};
 
@@ -101,10 +102,10 @@ fn panel(
     let marginal = &job.random.marginals[input];
     let name = marginal.name();
     let before = if matches!(marginal, Marginal::TruncatedNormal { .. }) { " before the cut" } else { "" };
-    let ends = drawn.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(*x), high.max(*x)]);
-    let around = AROUND * (ends[1] - ends[0]);
-    let step = (ends[1] - ends[0] + 2.0 * around) / (TRIED - 1) as f64;
-    let values: Vec<f64> = (0..TRIED).map(|i| ends[0] - around + step * i as f64).collect();
+    let [low, high] = ends(drawn.iter().copied());
+    let around = AROUND * (high - low);
+    let step = (high - low + 2.0 * around) / (TRIED - 1) as f64;
+    let values: Vec<f64> = (0..TRIED).map(|i| low - around + step * i as f64).collect();
     let are_outside = outside_along(job, cell, input, &values, outside);
     InputPanel {
         title: value.title,
