@@ -361,6 +361,9 @@ fn growth_rates_critical_speeds_and_critical_preloads_agree_with_every_verdict()
                 assert!(is_below == is_unstable || (is_below && !is_unstable_below), "{run} {cell} {sample}: {all:?}");
             }
         }
+        // A quotient whose divisor may vanish has no mean.
+        let has_mean = |name: &str| surface.names().contains(&format!("{name}_mean"));
+        assert_eq!(["growth_rate", "critical_speed", "critical_preload"].map(has_mean), [true, true, false]);
         // The run keeps the distribution of these very samples.
         let cell = surface.column("rotating_speed_rad_s").len() - 1;
         let samples = Table::read(&place.path("samples.parquet"));

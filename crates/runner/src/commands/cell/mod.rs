@@ -15,7 +15,6 @@ use crate::plot::canvas::Canvas;
 use crate::plot::scatter::Value;
 use crate::report::{PICTURE_WIDTH, Picture, PictureKind};
 
-use self::distribution::RecordedCell;
 use super::drawn_samples::{Add, DrawnSamples, draw};
 use super::one_brake::{cell_of, middle};
 use stickslip_core::model::IsStopped;
@@ -63,7 +62,7 @@ pub fn figure(arguments: &PlotArguments, width: f64, interrupt: &Interrupt) -> R
             (plot.figure(width), "convergence".to_owned())
         }
         PlotQuantity::Distribution => {
-            let recorded = RecordedCell::read(path, &job, &cell)?;
+            let recorded = distribution::RecordedCell::read(path, &job, &cell)?;
             let (mut plot, name) = recorded.plot(arguments.result.as_deref())?;
             titled(&mut plot.heading, arguments);
             (plot.figure(width), name)
@@ -99,7 +98,7 @@ pub fn pictures(job: &Job, path: &Path) -> Result<Vec<Picture>, Failure> {
             Ok(None) => {
                 let recorded = match &recorded {
                     Some(recorded) => recorded,
-                    None => recorded.insert(RecordedCell::read(path, job, &cell)?),
+                    None => recorded.insert(distribution::RecordedCell::read(path, job, &cell)?),
                 };
                 recorded.plot(name).map(|(plot, _)| plot.figure(PICTURE_WIDTH))
             }
