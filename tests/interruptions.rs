@@ -4,6 +4,7 @@
 
 mod common;
 
+use std::cell::Cell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::ffi::OsString;
 use std::fs;
@@ -13,7 +14,7 @@ use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use common::Place;
+use common::{Place, repository};
 
 /// Time in which a signal is answered in words. The program takes some hundredths of a second; the rest is for a busy
 /// machine.
@@ -215,20 +216,30 @@ fn slow_search(sampling: &str) -> String {
         .replace("relative_std = 0.1", "relative_std = 0.05")
 }
 
-/// A batch system ends a run again and again, each time sooner than a search ends.
+/// Starts a command again and again and stops it each time, as a batch system does, until it ends by itself. `kept` says after
+/// each session how much it has kept, which becomes more. The number of sessions, and what was kept
+/// after the last.
+#[track_caller]
+fn stopped_until_done(start: impl Fn() -> Running, milliseconds: u64, kept: impl Fn() -> u64) -> (u32, u64) {
+    let (mut before, mut sessions, mut idle) = (0, 0, 0);
+    while stopped_after(start(), milliseconds) {
+        let now = kept();
+        // On a busy machine a session may be over before it is where the last one ended.
+        idle = if now > before { 0 } else { idle + 1 };
+        assert!(idle < 4, "no progress up to session {sessions}: {now}");
+        (before, sessions) = (now, sessions + 1);
+    }
+    (sessions, before)
+}
+
+/// A batch system ends a run sooner than a search ends.
 #[track_caller]
 fn searches_advance(sampling: &str) {
     let place = Place::new();
     place.write("slow.toml", &slow_search(sampling));
-    let (mut before, mut sessions, mut idle) = ((0, 0), 0, 0);
-    while stopped_after(go_on(&place), 1000) {
-        let now = (answers_kept(&place, "run/searches"), samples_done(&place, "run"));
-        // On a busy machine a session may be over before it is where the last one ended.
-        idle = if now.0 + now.1 > before.0 + before.1 { 0 } else { idle + 1 };
-        assert!(idle < 4, "no progress up to session {sessions}: {now:?}");
-        (before, sessions) = (now, sessions + 1);
-    }
-    assert!(sessions >= 3 && before.0 > 1000, "it was too short for this test: {sessions} sessions, {before:?}");
+    let kept = || answers_kept(&place, "run/searches") + samples_done(&place, "run");
+    let (sessions, kept) = stopped_until_done(|| go_on(&place), 1000, kept);
+    assert!(sessions >= 3 && kept > 1000, "it was too short for this test: {sessions} sessions, {kept}");
     place.run("submit slow.toml --out whole").done();
     assert!(place.surface("run") == place.surface("whole"));
     assert!(place.run("verify run").done().stdout.contains("searches"));
@@ -236,19 +247,19 @@ fn searches_advance(sampling: &str) {
 
 #[test]
 fn a_search_for_rare_events_goes_on_where_a_signal_ended_it() {
-    searches_advance("method = \"importance\"\nsamples = 256\nrandomisations = 8\nparticles = 100");
+    searches_advance("method = \"importance\"\nsamples = 256\nrandomisations = 8\nparticles = 200");
 }
 
 #[test]
 fn a_population_goes_on_where_a_signal_ended_it() {
-    searches_advance("method = \"subset\"\nrandomisations = 4\nparticles = 60");
+    searches_advance("method = \"subset\"\nrandomisations = 4\nparticles = 120");
 }
 
 /// Nothing is asked for twice of what was on disk before `kill -9`; what is damaged or of another run is not used.
 #[test]
 fn a_search_that_is_killed_goes_on_from_what_is_on_disk() {
     let place = Place::new();
-    let sampling = "method = \"importance\"\nsamples = 256\nrandomisations = 8\nparticles = 300\nseed = 2";
+    let sampling = "method = \"importance\"\nsamples = 256\nrandomisations = 8\nparticles = 900\nseed = 2";
     place.write("slow.toml", &slow_search(sampling));
     let folder = "run/searches";
     for session in 0..2 {
@@ -294,20 +305,38 @@ fn what_is_found_of_limits_is_kept() {
          kind = \"eigenvalue\"\n[sampling]\nmethod = \"conditional\"\nsamples = 2048\n[limit]\nof = \"preload\"\n\
          probability = [0.01, 0.2]\n",
     );
-    let (mut before, mut sessions) = (0, 0);
-    while stopped_after(go_on(&place), 1000) {
-        let now = answers_kept(&place, "run/limits");
-        assert!(
-            now > before || samples_done(&place, "run") < 8192 || now == 0,
-            "no progress in session {sessions}: {now}"
-        );
-        (before, sessions) = (now, sessions + 1);
-    }
-    assert!(sessions >= 2 && before > 30, "it was too short for this test: {sessions} sessions, {before}");
+    // Its limits are looked for when all of its samples are there.
+    let kept = || answers_kept(&place, "run/limits") + samples_done(&place, "run");
+    let (sessions, kept) = stopped_until_done(|| go_on(&place), 1000, kept);
+    assert!(sessions >= 2 && kept > 8192 + 30, "it was too short for this test: {sessions} sessions, {kept}");
     assert!(!place.path("run/limits").exists(), "what is needed no more is removed");
     place.run("submit slow.toml --out whole").done();
     let limits = |run: &str| fs::read(place.path(run).join("limits.parquet")).unwrap();
     assert!(limits("run") == limits("whole") && place.surface("run") == place.surface("whole"));
+}
+
+/// One cell takes seconds; its search for critical values goes on within it.
+#[test]
+fn the_search_for_critical_values_of_one_cell_is_kept() {
+    let place = Place::new();
+    fs::copy(repository().join("jobs/tu-brake/disk_brake100.mat"), place.path("dense.mat")).unwrap();
+    let term = |name: &str, factor: &str| format!("{{ file = \"dense.mat\", matrix = \"{name}\"{factor} }}");
+    let (mass, damping) = (term("M", ""), term("D1", ""));
+    let by_speed = [term("DR", ", factor = \"1 / speed\""), term("DG", ", factor = \"speed\"")].join(", ");
+    let stiffness = [term("K1", ""), term("KR", ", factor = \"friction\"")].join(", ");
+    let job = format!(
+        "name = \"dense\"\n[model]\nkind = \"matrices\"\nmass = {mass}\ndamping = [{damping}, {by_speed}]\n\
+         stiffness = [{stiffness}]\n[model.parameters]\nfriction = 0.08\nspeed = 1.0\n[axes]\n\
+         friction = [0.08, 0.09]\n[random]\ninputs = [\"friction\"]\nrelative_std = 0.1\n[criterion]\n\
+         kind = \"complex-eigenvalue\"\n[sampling]\nmethod = \"exact\"\n"
+    );
+    place.write("slow.toml", &job);
+    let kept = || answers_kept(&place, "run/searches");
+    let (sessions, kept) = stopped_until_done(|| go_on(&place), 1000, kept);
+    assert!(sessions >= 2 && kept > 20, "it was too short for this test: {sessions} sessions, {kept}");
+    assert!(!place.path("run/searches").exists(), "what is needed no more is removed");
+    place.run("submit slow.toml --out whole").done();
+    assert!(place.surface("run") == place.surface("whole"));
 }
 
 #[test]
@@ -322,23 +351,24 @@ fn what_is_found_of_bounds_is_kept_beside_their_file() {
     );
     let words = "bounds slow.toml --threads 1 --out bounds.parquet";
     let folder = "bounds.parquet.searches";
-    let (mut before, mut sessions) = (0, 0);
-    while stopped_after(Running::start(&place, words), 700) {
-        let now = answers_kept(&place, folder);
-        assert!(now > before, "no progress in session {sessions}: {now}");
+    let is_damaged = Cell::new(false);
+    let kept = || {
+        let kept = answers_kept(&place, folder);
         assert!(!place.path("bounds.parquet").exists());
-        if sessions == 0 {
-            // It is not used, and found again.
-            let name = names_in(&place, folder).into_iter().next().unwrap();
-            let path = place.path(folder).join(name);
-            let content = fs::read(&path).unwrap();
-            fs::write(&path, &content[..content.len() / 2]).unwrap();
-        } else {
-            before = now;
+        let names = names_in(&place, folder);
+        match names.first() {
+            Some(name) if !is_damaged.replace(true) => {
+                // It is not used, and found again.
+                let path = place.path(folder).join(name);
+                let content = fs::read(&path).unwrap();
+                fs::write(&path, &content[..content.len() / 2]).unwrap();
+                0
+            }
+            _ => kept,
         }
-        sessions += 1;
-    }
-    assert!(sessions >= 2, "it was too short for this test: {sessions}");
+    };
+    let (sessions, _) = stopped_until_done(|| Running::start(&place, words), 700, kept);
+    assert!(sessions >= 2 && is_damaged.get(), "it was too short for this test: {sessions}");
     assert!(!place.path(folder).exists(), "what is needed no more is removed");
     place.run("bounds slow.toml --out whole.parquet").done();
     assert!(fs::read(place.path("bounds.parquet")).unwrap() == fs::read(place.path("whole.parquet")).unwrap());

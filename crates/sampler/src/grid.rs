@@ -257,6 +257,20 @@ impl Grid {
         self.cell(index)
     }
 
+    /// The index of the first cell that differs from that at `index` in the scatter and the value of one quantity at most.
+    #[must_use]
+    pub fn first_cell_but_for(&self, quantity: usize, index: u64) -> u64 {
+        let (mut first, mut stride, mut rest) = (0, 1, index);
+        for (axis, length) in self.radices().rev() {
+            if axis.is_some_and(|axis| axis.quantity != quantity) {
+                first += rest % length * stride;
+            }
+            rest /= length;
+            stride *= length;
+        }
+        first
+    }
+
     /// The axis of a quantity, if it has one.
     #[must_use]
     pub fn axis_of(&self, quantity: usize) -> Option<&Axis> {
@@ -367,7 +381,7 @@ mod tests {
     }
 
     #[test]
-    fn cells_have_one_configuration_however_axes_of_other_quantities_lie_between() {
+    fn what_cells_have_in_common_is_found_however_axes_lie_between() {
         // As for a brake: two axes of it, one of the start of a motion, the speed, the scatter, and the two inputs.
         let grid = Grid {
             expected: vec![f64::NAN; 6],
@@ -404,6 +418,16 @@ mod tests {
             assert_eq!(grid.configuration_index(cell.index), configuration);
             let before = (0..cell.index).any(|index| grid.configuration_index(index) == configuration);
             assert!(!before, "the first of configuration {configuration}");
+        }
+        for quantity in 0..6 {
+            for index in 0..288 {
+                let is_like = |other: &u64| {
+                    let [mut a, mut b] = [index, *other].map(|index| grid.cell(index).expected);
+                    (a[quantity], b[quantity]) = (0.0, 0.0);
+                    a == b
+                };
+                assert_eq!(Some(grid.first_cell_but_for(quantity, index)), (0..288).find(is_like));
+            }
         }
     }
 }

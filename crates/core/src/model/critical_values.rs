@@ -31,11 +31,33 @@ fn joined(mut all: Vec<[f64; 2]>, more: &[[f64; 2]]) -> Vec<[f64; 2]> {
     joined
 }
 
+/// What a search finds on an interval: its unstable values, or nothing where it is to be halved.
+pub type OnInterval = Option<UnstableValues>;
+
+/// Remembers what a search finds, interval by interval. Searches for the same are of the same intervals in the same order, so
+/// that one that begins anew can be given what is known.
+pub trait Memory {
+    /// What the next interval has: what is remembered, or what `find` says. `None` ends the search, which is stopped or found
+    /// nothing.
+    fn next(&self, interval: [f64; 2], find: &mut dyn FnMut() -> Option<OnInterval>) -> Option<OnInterval>;
+}
+
+/// Remembers nothing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct NoMemory;
+
+impl Memory for NoMemory {
+    fn next(&self, _: [f64; 2], find: &mut dyn FnMut() -> Option<OnInterval>) -> Option<OnInterval> {
+        find()
+    }
+}
+
 /// Critical values of a quantity: what separates its stable from its unstable values, with all other quantities fixed.
 pub trait CriticalValues {
     /// The values of the varying quantity at `place` among these, within an interval, at which a sample is unstable that has
-    /// `values` of all varying quantities (that at `place` counts for nothing). `None` if they cannot be found.
-    fn unstable(&self, values: &[f64], place: usize, within: [f64; 2]) -> Option<UnstableValues>;
+    /// `values` of all varying quantities (that at `place` counts for nothing). `None` if they cannot be found, or `memory`
+    /// ends the search.
+    fn unstable(&self, values: &[f64], place: usize, within: [f64; 2], memory: &dyn Memory) -> Option<UnstableValues>;
 }
 
 #[cfg(test)]

@@ -10,6 +10,7 @@ use stickslip_sampler::integrate::closed_form::ExactProbability;
 
 use crate::evaluate::open_cell::{Open, OpenCell};
 use crate::evaluate::open_input::OpenInput;
+use crate::evaluate::remembered_intervals::RememberedIntervals;
 use crate::evaluate::remembering::{Asked, Keeper, Key, is_probability};
 use crate::job::{ImpreciseQuantity, Job, Values, What};
 
@@ -190,10 +191,17 @@ impl Family for ImpreciseCell<'_> {
 
     fn probability(&self, at: &[f64]) -> Result<ExactProbability, Ended> {
         self.go_on()?;
-        self.asked.integral(|| match &self.integral {
-            Integral::Pair { cell, .. } => cell.probability(at).map_err(Ended::NoSuchConfiguration),
-            Integral::Input(input) => input.probability(&self.open, at).ok_or(Ended::NoCriticalValues(input.place())),
-        })
+        match &self.integral {
+            Integral::Pair { cell, .. } => {
+                self.asked.integral(|| cell.probability(at).map_err(Ended::NoSuchConfiguration))
+            }
+            Integral::Input(input) => {
+                let memory = RememberedIntervals { asked: &self.asked, is_stopped: self.is_stopped };
+                let found = input.probability(&self.open, at, &memory);
+                self.go_on()?;
+                found.ok_or(Ended::NoCriticalValues(input.place()))
+            }
+        }
     }
 
     fn normal_pair(&self, at: &[f64]) -> Result<Option<(PairBoundary, NormalPair)>, Ended> {

@@ -4,6 +4,7 @@
 use std::iter;
 use std::ops::Range;
 
+use stickslip_core::model::critical_values::NoMemory;
 use stickslip_core::model::verdict::Verdict;
 use stickslip_core::model::{Configuration, ModelError};
 use stickslip_sampler::grid::Cell;
@@ -148,7 +149,7 @@ impl<'a> ConditionalCell<'a> {
                 let law = correlation.law_of_last(&free);
                 let values: Vec<f64> = iter::once(input.value(0.0)).chain(drawn).collect();
                 let within = one_input::reach(input, law);
-                let unstable = self.configuration.critical_values()?.unstable(&values, 0, within)?;
+                let unstable = self.configuration.critical_values()?.unstable(&values, 0, within, &NoMemory)?;
                 one_input::probability(input, law, &unstable).value
             }
         };

@@ -2,6 +2,7 @@
 
 use std::convert::Infallible;
 
+use stickslip_core::model::IsStopped;
 use stickslip_core::model::pair_boundary::PairBoundary;
 use stickslip_sampler::estimate::interval::Estimate;
 use stickslip_sampler::grid::Cell;
@@ -13,6 +14,7 @@ use stickslip_sampler::integrate::pair::Pair;
 use stickslip_sampler::integrate::verdict_map::{BoundedProbability, MapRegions};
 
 use crate::evaluate::evaluator::Evaluator;
+use crate::evaluate::remembered_intervals::RememberedIntervals;
 use crate::evaluate::remembering::Asked;
 use crate::evaluate::sums::Lookups;
 use crate::job::Job;
@@ -75,13 +77,20 @@ impl Evaluator<'_> {
         (0..self.job.grid.configurations()).filter_map(|index| self.maps.get(index)).map(MapRegions::new).collect()
     }
 
-    /// The probability of a cell, in closed form or from `regions`; `lookups` is the audit of its map.
-    pub fn integrate(&self, cell: &Cell, regions: &[MapRegions], lookups: Lookups) -> IntegratedCell {
+    /// The probability of a cell, in closed form or from `regions`; `lookups` is the audit of its map. `None` if it is stopped
+    /// before.
+    pub fn integrate(
+        &self,
+        cell: &Cell,
+        regions: &[MapRegions],
+        lookups: Lookups,
+        is_stopped: IsStopped<'_>,
+    ) -> Option<IntegratedCell> {
         let index = self.job.grid.configuration_index(cell.index);
         let pair = self.job.normal_pair(cell);
-        let asked = Asked::new(self.keeper.as_deref(), (cell.index, 0));
+        let asked = |cell: u64| Asked::new(self.keeper.as_deref(), (cell, 0));
         if let Some(boundary) = &self.criteria.boundary(self.job, index) {
-            let Ok(estimate) = asked.estimate(|| {
+            let Ok(estimate) = asked(cell.index).estimate(|| {
                 let exact = exact_probability(self.job, boundary, &pair, correlation_of_pair(self.job));
                 let low = (exact.value - exact.error_bound).max(0.0);
                 let high = (exact.value + exact.error_bound).min(1.0);
@@ -89,16 +98,18 @@ impl Evaluator<'_> {
             });
             let wanted = self.job.sampling.derivatives;
             let derivatives = if wanted { closed_form::derivatives(boundary, &pair) } else { Derivatives::default() };
-            return IntegratedCell { estimate, derivatives, ..IntegratedCell::unknown() };
+            return Some(IntegratedCell { estimate, derivatives, ..IntegratedCell::unknown() });
         }
         if let Some(place) = self.job.integrated() {
-            let find = || Ok::<_, Infallible>(self.unstable_values.estimate(self.job, cell, place));
-            let Ok(estimate) = asked.estimate(find);
-            return IntegratedCell { estimate, ..IntegratedCell::unknown() };
+            // All cells that differ in the input alone have one search, which is kept with the first of them.
+            let asked = asked(self.job.grid.first_cell_but_for(place, cell.index));
+            let memory = RememberedIntervals { asked: &asked, is_stopped };
+            let estimate = self.unstable_values.estimate(self.job, cell, place, &memory);
+            return (!is_stopped()).then(|| IntegratedCell { estimate, ..IntegratedCell::unknown() });
         }
         let mapped = regions[index].probability(&pair);
         let estimate = Estimate { probability: mapped.value, low: mapped.low, high: mapped.high };
         let BoundedProbability { derivatives, undecided, .. } = mapped;
-        IntegratedCell { estimate, derivatives, undecided, lookups }
+        Some(IntegratedCell { estimate, derivatives, undecided, lookups })
     }
 }

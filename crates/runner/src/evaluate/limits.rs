@@ -14,6 +14,7 @@ use stickslip_sampler::limits::sweep::{SortedSweep, Sweep};
 use crate::evaluate::evaluator::Evaluator;
 use crate::evaluate::open_cell::{Open, OpenCell};
 use crate::evaluate::randomised;
+use crate::evaluate::remembered_intervals::RememberedIntervals;
 use crate::evaluate::remembering::{Asked, Keeper};
 use crate::evaluate::unstable_values::UnstableValuesOfInput;
 use crate::evaluate::weighted_limits::{CombinationLimits, Ended, WeightedSearch};
@@ -91,13 +92,15 @@ impl<'a> LimitSearch<'a> {
             LimitMethod::OneInput => {
                 let unstable = UnstableValuesOfInput::default();
                 let input = self.job.integrated().unwrap_or_default();
+                let memory = RememberedIntervals { asked: &asked, is_stopped };
                 let estimate = |value: f64| {
-                    go_on()?;
                     let mut place = self.job.grid.cell(cell);
                     place.expected[self.axis.quantity] = value;
-                    Ok(unstable.estimate(self.job, &place, input))
+                    let found = unstable.estimate(self.job, &place, input, &memory);
+                    go_on()?;
+                    Ok(found)
                 };
-                self.scan(targets, TOLERANCES[1], &[], |value| asked.estimate(|| estimate(value)))
+                self.scan(targets, TOLERANCES[1], &[], estimate)
             }
             LimitMethod::MapIntegral => {
                 let (place, index) = (self.job.grid.cell(cell), self.job.grid.configuration_index(cell));

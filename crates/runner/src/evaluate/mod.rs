@@ -21,6 +21,8 @@ pub mod unstable_values;
 
 pub mod remembering;
 
+pub mod remembered_intervals;
+
 pub mod rare_events;
 
 pub mod evaluator;

@@ -1,5 +1,6 @@
 //! A cell in which some of what it consists of may have any value, for integrals over one input with critical values.
 
+use stickslip_core::model::critical_values::Memory;
 use stickslip_sampler::grid::Cell;
 use stickslip_sampler::inputs::{DeviateLaw, InputDistribution};
 use stickslip_sampler::integrate::closed_form::ExactProbability;
@@ -42,11 +43,11 @@ impl<'a> OpenInput<'a> {
         self.place
     }
 
-    /// The probability with these values of what is open; `None` if critical values cannot be found.
-    pub fn probability(&self, open: &[Open], values: &[f64]) -> Option<ExactProbability> {
+    /// The probability with these values of what is open; `None` if critical values cannot be found, or `memory` ends the search.
+    pub fn probability(&self, open: &[Open], values: &[f64], memory: &dyn Memory) -> Option<ExactProbability> {
         let cell = self.with(open, values);
         let distribution = self.distribution(&cell, open, values)?;
-        self.unstable.with_distribution(self.job, &cell, self.place, &distribution, || self.reach)
+        self.unstable.with_distribution(self.job, &cell, self.place, &distribution, || self.reach, memory)
     }
 
     /// The cell with these values of what is open.

@@ -54,11 +54,11 @@ impl<'a> Answers<'a> {
         Self { keeper, key, known, given: 0, fresh: Vec::new(), kept: Instant::now(), has_kept: false }
     }
 
-    /// What the next answers, so many, say, if they are known. From the first on that say nothing, none is known.
-    fn recalled<T>(&mut self, count: usize, read: impl Fn(&[f64]) -> Option<T>) -> Option<T> {
-        let found = self.known.get(self.given..self.given + count).and_then(read);
-        match found {
-            Some(_) => self.given += count,
+    /// What the next numbers say, if they are known, and how many of them. From the first on that say nothing, none is known.
+    fn recalled<T>(&mut self, read: impl Fn(&[f64]) -> Option<(T, usize)>) -> Option<T> {
+        let (found, count) = self.known.get(self.given..).and_then(read).unzip();
+        match count {
+            Some(count) => self.given += count,
             None => self.known.truncate(self.given),
         }
         found
@@ -104,8 +104,21 @@ impl<'a> Asked<'a> {
         write: impl Fn(&T) -> Vec<f64>,
         find: impl FnOnce() -> Result<T, E>,
     ) -> Result<T, E> {
+        self.ask_any(|known| Some((read(known.get(..numbers)?)?, numbers)), write, find)
+    }
+
+    /// The same of an answer that is kept as any number of numbers: `read` is given all that follow, and says how many are its.
+    ///
+    /// # Errors
+    /// What ends the search.
+    pub fn ask_any<T, E>(
+        &self,
+        read: impl Fn(&[f64]) -> Option<(T, usize)>,
+        write: impl Fn(&T) -> Vec<f64>,
+        find: impl FnOnce() -> Result<T, E>,
+    ) -> Result<T, E> {
         let Some(answers) = &self.0 else { return find() };
-        if let Some(known) = answers.borrow_mut().recalled(numbers, read) {
+        if let Some(known) = answers.borrow_mut().recalled(read) {
             return Ok(known);
         }
         let found = find();
@@ -187,7 +200,7 @@ impl<'a> Remembering<'a> {
 
     /// The next answer, if it is known.
     fn recalled(&mut self) -> Option<f64> {
-        self.answers.recalled(1, |answers| answers.first().copied())
+        self.answers.recalled(|answers| Some((*answers.first()?, 1)))
     }
 
     /// Answers at points, from the first that is not known on, a few points at once: `answer` is given the integrand and the

@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-use stickslip_core::model::critical_values::UnstableValues;
+use stickslip_core::model::critical_values::{Memory, UnstableValues};
 use stickslip_sampler::estimate::interval::Estimate;
 use stickslip_sampler::grid::Cell;
 use stickslip_sampler::inputs::{DeviateLaw, InputDistribution};
@@ -27,9 +27,10 @@ pub struct UnstableValuesOfInput {
 
 impl UnstableValuesOfInput {
     /// The probability of instability in a cell of a job over the input that is the quantity at `place`, which alone scatters.
-    /// Its expected value may be any within its axis. Nothing is known if its critical values cannot be found.
-    pub fn estimate(&self, job: &Job, cell: &Cell, place: usize) -> Estimate {
-        match self.probability(job, cell, place) {
+    /// Its expected value may be any within its axis. Nothing is known if its critical values cannot be found, or if `memory`
+    /// ends the search.
+    pub fn estimate(&self, job: &Job, cell: &Cell, place: usize, memory: &dyn Memory) -> Estimate {
+        match self.probability(job, cell, place, memory) {
             Some(found) => {
                 let [low, high] = found.bounds();
                 Estimate { probability: Some(found.value), low, high }
@@ -38,12 +39,14 @@ impl UnstableValuesOfInput {
         }
     }
 
-    fn probability(&self, job: &Job, cell: &Cell, place: usize) -> Option<ExactProbability> {
+    fn probability(&self, job: &Job, cell: &Cell, place: usize, memory: &dyn Memory) -> Option<ExactProbability> {
         let position = job.random.position(place)?;
-        self.with_distribution(job, cell, place, &job.distribution(position, cell), || reach(job, position))
+        let distribution = job.distribution(position, cell);
+        self.with_distribution(job, cell, place, &distribution, || reach(job, position), memory)
     }
 
     /// The probability over the input with this distribution. All distributions that are asked for lie within the reach.
+    /// `memory` is that of the search for these values of the other quantities, which is made once.
     pub fn with_distribution(
         &self,
         job: &Job,
@@ -51,6 +54,7 @@ impl UnstableValuesOfInput {
         place: usize,
         distribution: &InputDistribution,
         reach: impl FnOnce() -> [f64; 2],
+        memory: &dyn Memory,
     ) -> Option<ExactProbability> {
         let mut expected = cell.expected.clone();
         expected[place] = 0.0;
@@ -58,7 +62,7 @@ impl UnstableValuesOfInput {
         let found = self.found.lock().unwrap_or_else(PoisonError::into_inner).entry(key).or_default().clone();
         let unstable = found.get_or_init(|| {
             let configuration = job.model().configure(&cell.expected, &[place], None).ok()?;
-            configuration.critical_values()?.unstable(&[cell.expected[place]], 0, reach())
+            configuration.critical_values()?.unstable(&[cell.expected[place]], 0, reach(), memory)
         });
         Some(one_input::probability(distribution, DeviateLaw::INDEPENDENT, unstable.as_ref()?))
     }

@@ -124,13 +124,15 @@ impl Engine {
     ) -> Result<(Outcome, Vec<IntegratedCell>), Failure> {
         let job = evaluator.job();
         let regions = evaluator.regions();
-        let integrate = |index: u64, _: IsStopped<'_>| {
+        let integrate = |index: u64, is_stopped: IsStopped<'_>| {
             let lookups = Lookups::from_sums(&audits.sums(index));
-            (index, evaluator.integrate(&job.grid.cell(index), &regions, lookups))
+            evaluator.integrate(&job.grid.cell(index), &regions, lookups, is_stopped).map(|cell| (index, cell))
         };
         let mut cells = vec![IntegratedCell::unknown(); job.cells() as usize];
-        let outcome = self.for_each_in_parallel(job.cells(), interrupt, integrate, |(index, integrated)| {
-            cells[index as usize] = integrated;
+        let outcome = self.for_each_in_parallel(job.cells(), interrupt, integrate, |integrated| {
+            if let Some((index, integrated)) = integrated {
+                cells[index as usize] = integrated;
+            }
         })?;
         Ok((outcome, cells))
     }

@@ -1,8 +1,8 @@
 //! Pairs followed along a path of parameters, and where their damping ratios pass a threshold.
 
 use super::error::Error;
-use super::pair::{Complex, Pair, damping_ratio_slope};
-use super::region::Region;
+use super::pair::{Complex, Pair, damping_ratio_slope, dot};
+use super::region::{Region, magnitude};
 
 /// Steps of Newton's method for a critical value.
 const NEWTON_STEPS: usize = 30;
@@ -65,12 +65,24 @@ pub trait Place {
     /// [`Error::NotConverged`], and what factorisations say.
     fn refine(&self, start: &Pair) -> Result<Pair, Error>;
 
-    /// How much of one pair is in another, 1 for the same: `(y_a^T Q' x_b) (y_b^T Q' x_a)`, in magnitude.
-    fn overlap(&self, a: &Pair, b: &Pair) -> f64;
+    /// `M x` and `C x` of the right vector of a pair, for [`overlap`].
+    fn images(&self, pair: &Pair) -> Images;
 
     /// `-y_a^T (dQ/dp) x_b` at the mean of both eigenvalues: `d lambda / dp` for a pair with itself, what couples two along
     /// the path otherwise. Not finite for a pair without vectors.
     fn coupling(&self, a: &Pair, b: &Pair) -> Complex;
+}
+
+/// `M x` and `C x`.
+pub type Images = [Vec<Complex>; 2];
+
+/// How much of one pair is in another, 1 for the same: `(y_a^T Q' x_b) (y_b^T Q' x_a)` with `Q' = (lambda_a + lambda_b) M + C`,
+/// in magnitude; 0 for a pair without vectors. Images are those at one place.
+#[must_use]
+pub fn overlap(a: (&Pair, &Images), b: (&Pair, &Images)) -> f64 {
+    let sum = a.0.eigenvalue + b.0.eigenvalue;
+    let share = |left: &[Complex], [mass, damping]: &Images| sum * dot(left, mass) + dot(left, damping);
+    magnitude(share(&a.0.left, b.1) * share(&b.0.left, a.1))
 }
 
 /// A pair at a place on a path, with its change along it.
@@ -151,8 +163,12 @@ impl dyn Branches + '_ {
             let mut start = here.pair.clone();
             start.eigenvalue += here.slope * (p - here.p);
             let place = self.at(p)?;
+            let is_same = |pair: &Pair| {
+                let [before, after] = [&here.pair, pair].map(|pair| (pair, place.images(pair)));
+                overlap((before.0, &before.1), (after.0, &after.1)) >= OVERLAP
+            };
             match place.refine(&start) {
-                Ok(pair) if place.overlap(&here.pair, &pair) >= OVERLAP => here = Followed::new(p, pair, &*place),
+                Ok(pair) if is_same(&pair) => here = Followed::new(p, pair, &*place),
                 Ok(_) | Err(Error::NotConverged { .. }) if halvings < HALVINGS => {
                     halvings += 1;
                     step *= 0.5;

@@ -15,6 +15,7 @@ use super::quadratic::{DenseQuadratic, QuadraticError};
 use super::region::Region;
 use super::sweep::{Steps, Sweep};
 use super::terms::{Matrices, Matrix, Term};
+use crate::model::critical_values::{Memory, UnstableValues};
 use crate::numerics::eigenvalues::Eigenvalue;
 
 /// How sweeps with dense matrices look for changes, for which a place costs little.
@@ -112,12 +113,27 @@ impl Problem {
     /// # Errors
     /// [`Error`], if pairs are not found.
     pub fn sweep(&self, path: &dyn Path, region: &Region, within: [f64; 2]) -> Result<Sweep, Error> {
-        let steps = match self {
+        let sweep = self.along(path).sweep(&region.in_unit(self.unit()), within, self.steps())?;
+        Ok(sweep.with_eigenvalues_times(self.unit()))
+    }
+
+    /// The values of the parameter of a path at which there is an unstable pair of a region, in rad/s; `None` if `memory` ends
+    /// the search or pairs are not found.
+    pub fn unstable_values(
+        &self,
+        path: &dyn Path,
+        region: &Region,
+        within: [f64; 2],
+        memory: &dyn Memory,
+    ) -> Option<UnstableValues> {
+        self.along(path).unstable_values(&region.in_unit(self.unit()), within, self.steps(), memory)
+    }
+
+    fn steps(&self) -> Steps {
+        match self {
             Self::Dense(_) => DENSE_STEPS,
             Self::Sparse(_) => SPARSE_STEPS,
-        };
-        let sweep = self.along(path).sweep(&region.in_unit(self.unit()), within, steps)?;
-        Ok(sweep.with_eigenvalues_times(self.unit()))
+        }
     }
 
     /// Its pairs along a path, in its own unit.

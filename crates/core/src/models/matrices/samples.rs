@@ -9,7 +9,7 @@ use super::recorded::PairResult;
 use super::region::{RESOLUTION, Region, excess};
 use super::series::ModeSeries;
 use super::terms::{Matrices, OverParameter, Term};
-use crate::model::critical_values::{CriticalValues, UnstableValues};
+use crate::model::critical_values::{CriticalValues, Memory, UnstableValues};
 use crate::model::decision::Decision;
 use crate::model::quantity::Limits;
 use crate::model::recorded::{NOTHING, RecordedValues};
@@ -219,7 +219,7 @@ impl Configuration for Samples {
 
 impl CriticalValues for Samples {
     /// Values beyond the range of the parameter are outside the model, and not unstable.
-    fn unstable(&self, values: &[f64], place: usize, within: [f64; 2]) -> Option<UnstableValues> {
+    fn unstable(&self, values: &[f64], place: usize, within: [f64; 2], memory: &dyn Memory) -> Option<UnstableValues> {
         let Shared { matrices, problem, regions, expected, varying, .. } = &*self.shared;
         let mut complete = expected.clone();
         varying.iter().zip(values).for_each(|(&place, value)| complete[place] = *value);
@@ -235,7 +235,7 @@ impl CriticalValues for Samples {
         let path = OverParameter { matrices, values: &complete, place };
         let mut all = UnstableValues::default();
         for region in regions {
-            all = all.or(&problem.sweep(&path, region, within).ok()?.unstable(within));
+            all = all.or(&problem.unstable_values(&path, region, within, memory)?);
         }
         Some(all)
     }

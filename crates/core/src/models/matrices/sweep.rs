@@ -1,9 +1,9 @@
 //! All places on a path at which the number of unstable pairs in a band changes.
 
-use super::branches::{Branches, Critical, Followed, Place, Target};
+use super::branches::{Branches, Critical, Followed, Images, Place, Target, overlap};
 use super::error::Error;
 use super::region::{RESOLUTION, Region, damping_ratio, magnitude, square_root};
-use crate::model::critical_values::UnstableValues;
+use crate::model::critical_values::{Memory, OnInterval, UnstableValues};
 
 /// How a sweep looks for changes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -75,7 +75,7 @@ impl Sweep {
 }
 
 impl Sweep {
-    /// The values within the limits of the sweep at which there is an unstable pair.
+    /// The values within the limits of the sweep, and their errors, at which there is an unstable pair.
     #[must_use]
     pub fn unstable(&self, [low, high]: [f64; 2]) -> UnstableValues {
         let mut unstable = UnstableValues::default();
@@ -86,7 +86,7 @@ impl Sweep {
                 continue;
             }
             let by = [error(from), error(to)];
-            unstable.possibly.push([(from - by[0]).max(low), (to + by[1]).min(high)]);
+            unstable.possibly.push([from - by[0], to + by[1]]);
             if count.is_some() && from + by[0] < to - by[1] {
                 unstable.surely.push([from + by[0], to - by[1]]);
             }
@@ -116,6 +116,22 @@ struct Node<'a> {
     pairs: Vec<Followed>,
 }
 
+/// An interval between two places: which pairs are the same at both, and which are at one of them alone.
+struct Interval<'a> {
+    ends: [&'a Node<'a>; 2],
+    branches: Vec<Branch<'a>>,
+    alone: Vec<&'a Followed>,
+}
+
+/// The places of a sweep that are still needed.
+struct Nodes<'a> {
+    branches: &'a dyn Branches,
+    region: &'a Region,
+    known: Vec<Node<'a>>,
+    /// How many were found.
+    places: usize,
+}
+
 /// A pair of an interval's lower end and the same at its upper end.
 struct Branch<'a> {
     from: &'a Followed,
@@ -135,77 +151,47 @@ impl dyn Branches + '_ {
     ///
     /// # Errors
     /// [`Error::Request`] for an empty interval, and as [`Place::pairs`].
-    pub fn sweep(&self, region: &Region, [low, high]: [f64; 2], steps: Steps) -> Result<Sweep, Error> {
-        let is_interval = low.is_finite() && high.is_finite() && high > low;
-        if !is_interval {
-            return Err(Error::Request("a sweep goes from one value to a larger one"));
-        }
-        let first = self.node(region, low)?;
-        let mut sweep =
-            Sweep { at_start: count(region, &first), changes: Vec::new(), unresolved: Vec::new(), places: 1 };
-        // Intervals that are left, the next one last: where each ends, how often it was halved.
-        let place = |index: usize| low + (high - low) * index as f64 / steps.first as f64;
-        let mut ends: Vec<(f64, usize)> =
-            (1..=steps.first).rev().map(|index| (if index == steps.first { high } else { place(index) }, 0)).collect();
-        let mut here = first;
-        let mut known: Vec<Node<'_>> = Vec::new();
-        while let Some((end, halvings)) = ends.pop() {
-            let there = match known.pop() {
-                Some(node) if node.p == end => node,
-                other => {
-                    known.extend(other);
-                    sweep.places += 1;
-                    self.node(region, end)?
-                }
-            };
-            let middle = 0.5 * (here.p + end);
-            if let Some(changes) = self.changes(region, &here, &there)? {
-                sweep.changes.extend(changes);
-                here = there;
-            } else if halvings < steps.halvings && middle > here.p && middle < end {
-                ends.push((end, halvings + 1));
-                ends.push((middle, halvings + 1));
-                known.push(there);
-            } else {
-                let more = signed(count(region, &there)) - signed(count(region, &here));
-                sweep.unresolved.push(([here.p, there.p], more));
-                here = there;
-            }
+    pub fn sweep(&self, region: &Region, within: [f64; 2], steps: Steps) -> Result<Sweep, Error> {
+        let mut nodes = Nodes::new(self, region);
+        let intervals = settled(within, steps, |interval, may_halve| nodes.settle(interval, may_halve))?;
+        let mut sweep = Sweep { at_start: 0, changes: Vec::new(), unresolved: Vec::new(), places: nodes.places };
+        sweep.at_start = intervals.first().map_or(0, |first| first.at_start);
+        for interval in intervals {
+            sweep.changes.extend(interval.changes);
+            sweep.unresolved.extend(interval.unresolved);
         }
         sweep.changes.sort_by(|a, b| a.p.total_cmp(&b.p));
         Ok(sweep)
     }
 
-    fn node(&self, region: &Region, p: f64) -> Result<Node<'_>, Error> {
-        let place = self.at(p)?;
-        let pairs = place.pairs(region)?.into_iter().map(|pair| Followed::new(p, pair, &*place)).collect();
-        Ok(Node { p, place, pairs })
+    /// The values within limits at which there is an unstable pair, by the same sweep, whose intervals `memory` may know; `None`
+    /// if that ends it or pairs are not found.
+    pub fn unstable_values(
+        &self,
+        region: &Region,
+        within: [f64; 2],
+        steps: Steps,
+        memory: &dyn Memory,
+    ) -> Option<UnstableValues> {
+        let mut nodes = Nodes::new(self, region);
+        let intervals = settled(within, steps, |interval, may_halve| {
+            let mut find = || nodes.unstable(interval, may_halve).ok();
+            memory.next(interval, &mut find).ok_or(Error::Request("a search to go on"))
+        });
+        Some(intervals.ok()?.iter().fold(UnstableValues::default(), UnstableValues::or))
     }
 
     /// The changes inside an interval, or nothing if it is too long to say.
-    fn changes(&self, region: &Region, from: &Node<'_>, to: &Node<'_>) -> Result<Option<Vec<Change>>, Error> {
+    fn changes(&self, region: &Region, interval: &Interval<'_>) -> Result<Option<Vec<Change>>, Error> {
+        let Interval { ends: [from, to], branches, alone } = interval;
         let step = to.p - from.p;
-        let mut free: Vec<&Followed> = to.pairs.iter().collect();
-        let mut branches = Vec::new();
-        for pair in &from.pairs {
-            let shares = free.iter().map(|other| to.place.overlap(&pair.pair, &other.pair)).enumerate();
-            match shares.map(|(index, share)| (share, index)).max_by(|a, b| a.0.total_cmp(&b.0)) {
-                Some((share, index)) if (OVERLAP..1.0 / OVERLAP).contains(&share) => {
-                    branches.push(Branch { from: pair, to: free.swap_remove(index) });
-                }
-                _ if may_count(region, pair, step) => return Ok(None),
-                _ => {}
-            }
-        }
-        if free.iter().any(|pair| may_count(region, pair, step)) {
+        if alone.iter().any(|pair| may_count(region, pair, step)) {
             return Ok(None);
         }
-        let ends = [region.lowest, region.highest].into_iter().filter(|end| *end > 0.0 && end.is_finite());
-        let targets: Vec<Target> =
-            ends.map(Target::Frequency).chain([Target::DampingRatio(region.damping_ratio - RESOLUTION)]).collect();
+        let targets = targets(region);
         let mut changes = Vec::new();
         let mut quiet = Vec::new();
-        for branch in &branches {
+        for branch in branches {
             if !may_count(region, branch.from, step) && !may_count(region, branch.to, step) {
                 continue;
             }
@@ -266,6 +252,138 @@ impl dyn Branches + '_ {
         let p = (at.p + shift).clamp(interval[0], interval[1]);
         Ok(Some(is_change.then_some(Change { p, error, at, target, more: if is_more { 1 } else { -1 } })))
     }
+}
+
+impl<'a> Interval<'a> {
+    fn new(ends: [&'a Node<'a>; 2]) -> Self {
+        let [from, to] = ends;
+        let mut free: Vec<(&Followed, Images)> =
+            to.pairs.iter().map(|pair| (pair, to.place.images(&pair.pair))).collect();
+        let (mut branches, mut alone) = (Vec::new(), Vec::new());
+        for pair in &from.pairs {
+            let images = to.place.images(&pair.pair);
+            let share = |(other, its): &(&Followed, Images)| overlap((&pair.pair, &images), (&other.pair, its));
+            let shares = free.iter().map(share).enumerate();
+            match shares.map(|(index, share)| (share, index)).max_by(|a, b| a.0.total_cmp(&b.0)) {
+                Some((share, index)) if (OVERLAP..1.0 / OVERLAP).contains(&share) => {
+                    branches.push(Branch { from: pair, to: free.swap_remove(index).0 });
+                }
+                _ => alone.push(pair),
+            }
+        }
+        alone.extend(free.into_iter().map(|(pair, _)| pair));
+        Self { ends, branches, alone }
+    }
+
+    /// Whether a pair is so near a target at both ends that its error says no more of what lies between.
+    fn is_within_errors(&self, region: &Region) -> bool {
+        let step = self.ends[1].p - self.ends[0].p;
+        let is_near = |end: &Followed, target: Target| target.distance(end).0.abs() <= 2.0 * target.error(&end.pair);
+        self.branches.iter().filter(|branch| may_count(region, branch.from, step)).any(|branch| {
+            targets(region).into_iter().any(|target| [branch.from, branch.to].iter().all(|end| is_near(end, target)))
+        })
+    }
+
+    /// Whether one of the pairs is unstable all along.
+    fn is_unstable_throughout(&self, region: &Region) -> bool {
+        let step = self.ends[1].p - self.ends[0].p;
+        self.branches.iter().any(|branch| {
+            [branch.from, branch.to].iter().all(|end| region.contains(end.pair.eigenvalue))
+                && targets(region).into_iter().all(|target| branch.meets(target, step) == Some(None))
+        })
+    }
+}
+
+impl<'a> Nodes<'a> {
+    fn new(branches: &'a dyn Branches, region: &'a Region) -> Self {
+        Self { branches, region, known: Vec::new(), places: 0 }
+    }
+
+    /// The sweep of an interval, which begins where the last one began or ended; nothing if it is to be halved.
+    fn settle(&mut self, ends: [f64; 2], may_halve: bool) -> Result<Option<Sweep>, Error> {
+        self.find(ends)?;
+        self.settle_joined(&self.joined(ends)?, may_halve)
+    }
+
+    /// The unstable values of such an interval: all of them where one pair is unstable all along, whatever the others do.
+    fn unstable(&mut self, ends: [f64; 2], may_halve: bool) -> Result<OnInterval, Error> {
+        self.find(ends)?;
+        let interval = self.joined(ends)?;
+        if interval.is_unstable_throughout(self.region) {
+            return Ok(Some(UnstableValues { surely: vec![ends], possibly: vec![ends] }));
+        }
+        Ok(self.settle_joined(&interval, may_halve)?.map(|sweep| sweep.unstable(ends)))
+    }
+
+    fn settle_joined(&self, interval: &Interval<'_>, may_halve: bool) -> Result<Option<Sweep>, Error> {
+        let [from, to] = interval.ends;
+        let counts = interval.ends.map(|node| count(self.region, node));
+        let (changes, unresolved) = match self.branches.changes(self.region, interval)? {
+            Some(changes) => (changes, Vec::new()),
+            None if may_halve && !interval.is_within_errors(self.region) => return Ok(None),
+            None => (Vec::new(), vec![([from.p, to.p], signed(counts[1]) - signed(counts[0]))]),
+        };
+        Ok(Some(Sweep { at_start: counts[0], changes, unresolved, places: self.places }))
+    }
+
+    /// Finds the nodes at both ends of an interval. Those below it are needed no more.
+    fn find(&mut self, ends: [f64; 2]) -> Result<(), Error> {
+        self.known.retain(|node| node.p >= ends[0]);
+        for p in ends {
+            if !self.known.iter().any(|node| node.p == p) {
+                let place = self.branches.at(p)?;
+                let pairs = place.pairs(self.region)?.into_iter().map(|pair| Followed::new(p, pair, &*place)).collect();
+                self.known.push(Node { p, place, pairs });
+                self.places += 1;
+            }
+        }
+        Ok(())
+    }
+
+    /// An interval whose ends are known.
+    fn joined(&self, ends: [f64; 2]) -> Result<Interval<'_>, Error> {
+        let [from, to] = ends.map(|p| self.known.iter().find(|node| node.p == p));
+        let unknown = Error::Request("an interval whose ends are known");
+        Ok(Interval::new([from.ok_or_else(|| unknown.clone())?, to.ok_or(unknown)?]))
+    }
+}
+
+/// What is found on the intervals between two ends, which are halved where `settle` finds nothing. It is also told whether
+/// they may be, and finds something where not.
+fn settled<T>(
+    [low, high]: [f64; 2],
+    steps: Steps,
+    mut settle: impl FnMut([f64; 2], bool) -> Result<Option<T>, Error>,
+) -> Result<Vec<T>, Error> {
+    let is_interval = low.is_finite() && high.is_finite() && high > low;
+    if !is_interval {
+        return Err(Error::Request("a sweep goes from one value to a larger one"));
+    }
+    // Intervals that are left, the next one last: where each ends, how often it was halved.
+    let place = |index: usize| low + (high - low) * index as f64 / steps.first as f64;
+    let mut ends: Vec<(f64, usize)> =
+        (1..=steps.first).rev().map(|index| (if index == steps.first { high } else { place(index) }, 0)).collect();
+    let mut settled = Vec::new();
+    let mut here = low;
+    while let Some((end, halvings)) = ends.pop() {
+        let middle = 0.5 * (here + end);
+        let may_halve = halvings < steps.halvings && middle > here && middle < end;
+        match settle([here, end], may_halve)? {
+            Some(found) => {
+                settled.push(found);
+                here = end;
+            }
+            None if may_halve => ends.extend([(end, halvings + 1), (middle, halvings + 1)]),
+            None => return Err(Error::Request("an interval that cannot be halved")),
+        }
+    }
+    Ok(settled)
+}
+
+/// What pairs meet where they begin or end to count.
+fn targets(region: &Region) -> Vec<Target> {
+    let ends = [region.lowest, region.highest].into_iter().filter(|end| *end > 0.0 && end.is_finite());
+    ends.map(Target::Frequency).chain([Target::DampingRatio(region.damping_ratio - RESOLUTION)]).collect()
 }
 
 /// Whether a pair has a damping ratio below the threshold, whatever its frequency.

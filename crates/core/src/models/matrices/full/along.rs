@@ -2,10 +2,10 @@
 
 use super::band::KrylovLimit;
 use super::quadratic::{Coefficients, Point, Side, SparseQuadratic};
-use crate::models::matrices::branches::{Branches, Path, Place};
+use crate::models::matrices::branches::{Branches, Images, Path, Place};
 use crate::models::matrices::error::Error;
-use crate::models::matrices::pair::{Complex, Pair, dot};
-use crate::models::matrices::region::{Region, magnitude};
+use crate::models::matrices::pair::{Complex, Pair};
+use crate::models::matrices::region::Region;
 
 /// A path through the parameters of given matrices.
 #[derive(Clone, Copy)]
@@ -55,14 +55,13 @@ impl Place for SparsePlace<'_> {
         self.point.refine(start)
     }
 
-    fn overlap(&self, a: &Pair, b: &Pair) -> f64 {
-        let one = Complex::new(1.0, 0.0);
-        let sum = a.eigenvalue + b.eigenvalue;
-        let mut image = vec![Complex::default(); a.right.len()];
-        self.point.combine([sum, one, Complex::default()], &b.right, Side::Right, &mut image);
-        let forward = dot(&a.left, &image);
-        self.point.combine([sum, one, Complex::default()], &a.right, Side::Right, &mut image);
-        magnitude(forward * dot(&b.left, &image))
+    fn images(&self, pair: &Pair) -> Images {
+        let (zero, one) = (Complex::default(), Complex::new(1.0, 0.0));
+        [[one, zero, zero], [zero, one, zero]].map(|factors| {
+            let mut image = vec![zero; pair.right.len()];
+            self.point.combine(factors, &pair.right, Side::Right, &mut image);
+            image
+        })
     }
 
     fn coupling(&self, a: &Pair, b: &Pair) -> Complex {
