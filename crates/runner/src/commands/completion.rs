@@ -149,11 +149,6 @@ pub fn compute(
             .map_err(|failure| kept(failure, &directory))?;
         if outcome == Outcome::Finished {
             (outcome, integrated) = engine.integrate(&evaluator, &audits, interrupt)?;
-            if outcome == Outcome::Finished
-                && let Some(searches) = &searches
-            {
-                searches.forget();
-            }
         }
     } else if outcome == Outcome::Finished {
         outcome = count(&engine, &evaluator, &directory, &mut tally, shard, interrupt)
@@ -194,6 +189,9 @@ pub fn compute(
     if shard.is_none() {
         let surface = run.surface();
         let is_new = surface.publish(&run.directory).map_err(|failure| kept(failure, &run.directory))?;
+        if let (Answer::Integral, Some(searches)) = (run.job.answer(), &searches) {
+            searches.forget();
+        }
         if run.job.answer() == Answer::Integral && !is_new {
             let path = run.directory.path().display();
             announce(Code::RunFinished, format_args!("{path} is finished already; its surface is unchanged"));

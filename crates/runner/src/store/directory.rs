@@ -23,7 +23,7 @@ use crate::store::layout::{
 };
 use crate::store::lock::{AN_INSTANT, Access, Lock, is_held};
 use crate::store::piece::{self, Complaint, Defect, REMEDY_OF_VERSIONS};
-use crate::store::searches::Searches;
+use crate::store::searches::{self, Searches};
 use crate::store::tally::Tally;
 
 /// The footer key of a surface for the hash of its job.
@@ -140,6 +140,11 @@ impl RunDirectory {
     pub fn searches_of(&self, name: &str, what: String) -> Result<Searches, Failure> {
         let root = self.root.again().map_err(|error| Failure::reading(self.path(), error))?;
         Searches::read(root, name, what)
+    }
+
+    /// Removes the searches that are kept in the directory `name` in this one, if there are some.
+    pub fn forget_searches(&self, name: &str) {
+        searches::remove(&self.root, name);
     }
 
     /// A directory in this one, created if it is not there.

@@ -70,13 +70,7 @@ impl Searches {
     /// Forgets the answers, of which none is needed any more.
     pub fn forget(&self) {
         *self.gathered.lock().unwrap_or_else(PoisonError::into_inner) = (Vec::new(), Instant::now());
-        let Ok(Some(folder)) = self.parent.within_if_there(&self.name) else { return };
-        for name in folder.names().unwrap_or_default().iter().filter(|name| is_piece_name(name)) {
-            let _ = folder.remove(name);
-        }
-        let _ = folder.remove_unfinished();
-        // Other files in it keep it.
-        let _ = self.parent.remove_directory(&self.name);
+        remove(&self.parent, &self.name);
     }
 
     /// Writes a piece; the search goes on without it.
@@ -104,6 +98,17 @@ impl Searches {
         gathered.0.push((cell, number, first as u64, bits));
         if is_due(gathered.1) { mem::replace(&mut *gathered, (Vec::new(), Instant::now())).0 } else { Vec::new() }
     }
+}
+
+/// Removes the answers of searches in the folder `name` of `parent`, if there are some.
+pub fn remove(parent: &Folder, name: &str) {
+    let Ok(Some(folder)) = parent.within_if_there(name) else { return };
+    for name in folder.names().unwrap_or_default().iter().filter(|name| is_piece_name(name)) {
+        let _ = folder.remove(name);
+    }
+    let _ = folder.remove_unfinished();
+    // Other files in it keep it.
+    let _ = parent.remove_directory(name);
 }
 
 impl Keeper for Searches {

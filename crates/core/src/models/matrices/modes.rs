@@ -80,7 +80,7 @@ pub enum ModesError {
 
 impl MatrixModel {
     /// The modes with these values of the parameters whose frequencies lie in one of the regions, by rising frequency. With
-    /// sparse matrices, those with damping ratios from 0.3 below the threshold to 0.05 above.
+    /// sparse matrices, those with damping ratios from -0.99 to 0.05 above the threshold.
     ///
     /// # Errors
     /// [`ModesError`].

@@ -85,7 +85,7 @@ impl Problem {
     }
 
     /// Eigenvalues with these coefficients that are not below the real axis, in rad/s: all with dense matrices, with sparse
-    /// ones those in the bands of the regions with damping ratios from 0.3 below their thresholds to 0.05 above.
+    /// ones those in the bands of the regions with damping ratios from -0.99 to 0.05 above their thresholds.
     ///
     /// # Errors
     /// [`Error`], if they are not found.

@@ -37,8 +37,8 @@ pub fn publish_limits(
         let found = wanted.find(engine, tiles, interrupt, &stopped, Some(&searches))?;
         let bytes = encoded_table(&found.table(), &found.footer());
         directory.publish(LIMITS, &bytes.map_err(|error| Failure::writing(&path, error))?)?;
-        searches.forget();
     }
+    directory.forget_searches(LIMIT_SEARCHES);
     let targets: Vec<String> = request.targets.iter().map(|&target| rounded(target)).collect();
     Ok(Some(format!("{}: limits of {} at P = {}\n", shown(&path), request.of, targets.join(", "))))
 }

@@ -26,6 +26,22 @@ const MARGIN: f64 = 0.02;
 /// How far below the threshold of a region, and above it, damping ratios are looked for.
 const DAMPING: [f64; 2] = [0.3, 0.05];
 
+/// Pairs that grow even faster, to this damping ratio, are looked for where a small space of each of some shifts shows one.
+const LEAST: f64 = -0.99;
+
+/// The direction of these shifts, in which damping ratios are -0.81. With `(lambda + conj s) / (lambda - s)` the left half plane
+/// becomes the unit disc, and damping ratios from -0.3 to -0.97, at frequencies within a factor of three of the shift, lie
+/// outside it by a factor of 1.25 at least: so much each step favours them.
+const GROWING: Complex = Complex::new(0.81, 0.586_429_876);
+const RATIO: f64 = 9.0;
+const STEPS: usize = 40;
+
+/// The residual at which a value of such a space is looked into.
+const SUSPICIOUS: f64 = 0.1;
+
+/// The lowest frequency at which pairs are suspected, over the highest one.
+const LOWEST: f64 = 1e-3;
+
 /// Which eigenpairs are wanted: by angular frequency in rad/s, and by damping ratio. A pair outside is not looked for, also if
 /// it grows faster.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -47,7 +63,7 @@ impl Band {
         Self { low, high, least_damping: -0.1, most_damping: 0.1 }
     }
 
-    /// A band that has all pairs of a region and those that come into it near by: a little wider, with damping ratios from 0.3
+    /// A band that has the pairs of a region and those that come into it near by: a little wider, with damping ratios from 0.3
     /// below its threshold to 0.05 above.
     #[must_use]
     pub fn about(region: &Region) -> Self {
@@ -167,7 +183,33 @@ impl Point<'_> {
     /// # Errors
     /// As [`Point::pairs_in`].
     pub fn pairs_about(&self, region: &Region, limit: KrylovLimit) -> Result<Vec<Pair>, Error> {
-        self.pairs_in(Band::about(region), limit)
+        let mut band = Band::about(region);
+        if band.least_damping > LEAST && self.seems_to_grow_faster(&band)? {
+            band.least_damping = LEAST;
+        }
+        self.pairs_in(band, limit)
+    }
+
+    /// Whether there may be a pair with a frequency of a band that grows faster than the band reaches.
+    fn seems_to_grow_faster(&self, band: &Band) -> Result<bool, Error> {
+        // Eigenvalues that are nearly real are larger than their frequencies.
+        let (low, high) = (band.low.max(LOWEST * band.high), 2.0 * band.high);
+        let shifts = ((high / low).ln() / RATIO.ln()).ceil().max(1.0);
+        let effort = Effort { radius: f64::INFINITY, vectors: STEPS, block: 1, tolerance: TOLERANCE };
+        for index in 0..shifts as usize {
+            let size = low * (high / low).powf((index as f64 + 0.5) / shifts);
+            let near = self.factorise(GROWING * size)?;
+            let space = Krylov::new(self, &near, Side::Right, effort)?;
+            let is_suspicious = |value: &Ritz| {
+                value.residual <= SUSPICIOUS
+                    && (band.low * (1.0 - MARGIN)..=band.high * (1.0 + MARGIN)).contains(&value.eigenvalue.im)
+                    && damping_ratio(value.eigenvalue) < band.least_damping * (1.0 - MARGIN)
+            };
+            if space.values.iter().any(is_suspicious) {
+                return Ok(true);
+            }
+        }
+        Ok(false)
     }
 
     /// Whether two pairs are one: of one eigenvalue, with vectors that are not independent.
@@ -186,8 +228,8 @@ impl Point<'_> {
         let away = 1e-3 * part.radius();
         let shift = part.middle + away;
         let near = self.factorise(shift)?;
-        let effort =
-            Effort { radius: part.radius() * (1.0 + 1e-9) + away, vectors: limit.vectors, tolerance: TOLERANCE };
+        let radius = part.radius() * (1.0 + 1e-9) + away;
+        let effort = Effort { radius, vectors: limit.vectors, block: 2, tolerance: TOLERANCE };
         let rights = Krylov::new(self, &near, Side::Right, effort)?;
         if rights.radius < effort.radius {
             return Ok(None);

@@ -1,7 +1,8 @@
 //! Block Arnoldi iteration with `(A - s B)^-1 B`, where `A - lambda B` is a linearisation of the quadratic problem.
 //!
 //! With `v = lambda x / w` and a scale w: a step from `(u, v)` is `p = -Q(s)^-1 ((C + s M) u + w M v)`, `q = (u + s p) / w`:
-//! one solve. Eigenvalues of the step are `1 / (lambda - s)`. Blocks of two find double eigenvalues, which discs have.
+//! one solve. Eigenvalues of the step are `1 / (lambda - s)`. Blocks of two find double eigenvalues, which discs have; single
+//! vectors go twice as many steps.
 
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatMut, MatRef, Par, c64};
@@ -10,9 +11,6 @@ use super::quadratic::{Factorisation, Point, Side};
 use crate::models::matrices::error::Error;
 use crate::models::matrices::pair::Complex;
 use crate::models::matrices::region::magnitude;
-
-/// Vectors a step adds.
-const BLOCK: usize = 2;
 
 /// Steps after which an eigenvalue would have converged that is twice as near to the shift as all others: 2^-30 is 1e-9.
 const STEPS_FOR_NONE: usize = 30;
@@ -35,7 +33,7 @@ pub(super) struct Ritz {
     /// Its distance from the shift.
     pub(super) distance: f64,
     /// The residual of the step's eigenvalue, relative to it.
-    residual: f64,
+    pub(super) residual: f64,
     column: usize,
 }
 
@@ -46,6 +44,8 @@ pub(super) struct Effort {
     pub(super) radius: f64,
     /// The largest number of vectors.
     pub(super) vectors: usize,
+    /// How many a step adds.
+    pub(super) block: usize,
     /// The residual at which a Ritz value is taken as converged.
     pub(super) tolerance: f64,
 }
@@ -53,12 +53,12 @@ pub(super) struct Effort {
 impl Krylov {
     /// Adds vectors until all eigenvalues within the radius are found, or there are as many as allowed.
     pub(super) fn new(point: &Point<'_>, near: &Factorisation, side: Side, effort: Effort) -> Result<Self, Error> {
-        let size = point.family().size();
-        let most = effort.vectors.min(2 * size).max(BLOCK) / BLOCK * BLOCK;
-        let mut basis = Mat::<c64>::zeros(2 * size, most + BLOCK);
-        let mut projected = Mat::<c64>::zeros(most + BLOCK, most);
+        let (size, block) = (point.family().size(), effort.block);
+        let most = effort.vectors.min(2 * size).max(block) / block * block;
+        let mut basis = Mat::<c64>::zeros(2 * size, most + block);
+        let mut projected = Mat::<c64>::zeros(most + block, most);
         let mut seed = 0;
-        let mut first = vec![Complex::default(); BLOCK * 2 * size];
+        let mut first = vec![Complex::default(); block * 2 * size];
         first.iter_mut().for_each(|value| *value = unstructured(&mut seed));
         // One step first: it takes out what belongs to infinite eigenvalues.
         let scale = magnitude(near.shift()).max(f64::MIN_POSITIVE);
@@ -66,15 +66,15 @@ impl Krylov {
         append(&mut basis, 0, &mut first, size, None, &mut seed);
         let mut count = 0;
         loop {
-            let mut block: Vec<Complex> = (count..count + BLOCK)
+            let mut vectors: Vec<Complex> = (count..count + block)
                 .flat_map(|column| basis.col(column).iter().copied().collect::<Vec<_>>())
                 .collect();
-            step(point, near, side, scale, &mut block)?;
-            append(&mut basis, count + BLOCK, &mut block, size, Some(&mut projected), &mut seed);
-            count += BLOCK;
-            let is_last = count + BLOCK > most;
+            step(point, near, side, scale, &mut vectors)?;
+            append(&mut basis, count + block, &mut vectors, size, Some(&mut projected), &mut seed);
+            count += block;
+            let is_last = count + block > most;
             if is_last || (count >= 16 && count.is_multiple_of(8)) {
-                let mut found = Self::ritz(size, projected.as_ref(), count, near.shift(), effort.tolerance)?;
+                let mut found = Self::ritz(size, projected.as_ref(), count, near.shift(), effort)?;
                 if is_last || found.radius >= effort.radius {
                     if count >= 2 * size {
                         found.radius = f64::INFINITY;
@@ -86,16 +86,17 @@ impl Krylov {
         }
     }
 
-    fn ritz(size: usize, all: MatRef<'_, c64>, count: usize, shift: Complex, tolerance: f64) -> Result<Self, Error> {
+    fn ritz(size: usize, all: MatRef<'_, c64>, count: usize, shift: Complex, effort: Effort) -> Result<Self, Error> {
+        let block = effort.block;
         let failed = Error::NotConverged { re: shift.re, im: shift.im };
         let square = all.submatrix(0, 0, count, count);
         let eigen = square.eigen().map_err(|_| failed)?;
         let combinations = eigen.U().to_owned();
-        let below = all.submatrix(count, count - BLOCK, BLOCK, BLOCK);
+        let below = all.submatrix(count, count - block, block, block);
         let mut values = Vec::with_capacity(count);
         for column in 0..count {
             let theta = eigen.S()[column];
-            let tail = combinations.as_ref().submatrix(count - BLOCK, column, BLOCK, 1);
+            let tail = combinations.as_ref().submatrix(count - block, column, block, 1);
             let length = combinations.col(column).norm_l2();
             let residual = (below * tail).norm_l2() / (length * magnitude(theta));
             if theta != Complex::default() && residual.is_finite() {
@@ -105,11 +106,11 @@ impl Krylov {
         }
         values.sort_by(|a, b| a.distance.total_cmp(&b.distance));
         // Up to halfway between the last of the converged and the first that is not.
-        let converged = values.iter().take_while(|value| value.residual <= tolerance).count();
+        let converged = values.iter().take_while(|value| value.residual <= effort.tolerance).count();
         let last = converged.checked_sub(1).map_or(0.0, |last| values[last].distance);
         let radius = match values.get(converged) {
             // An eigenvalue much nearer than all Ritz values would have been found by now: the steps favour it by that ratio.
-            Some(nearest) if converged == 0 && count / BLOCK >= STEPS_FOR_NONE => 0.5 * nearest.distance,
+            Some(nearest) if converged == 0 && count / block >= STEPS_FOR_NONE => 0.5 * nearest.distance,
             Some(next) => 0.5 * (last + next.distance.min(1.5 * last)),
             None => last,
         };
@@ -140,7 +141,7 @@ fn step(point: &Point<'_>, near: &Factorisation, side: Side, scale: f64, block: 
     let size = point.family().size();
     let shift = near.shift();
     let (zero, one) = (Complex::default(), Complex::new(1.0, 0.0));
-    let mut right = vec![zero; BLOCK * size];
+    let mut right = vec![zero; block.len() / 2];
     let mut part = vec![zero; size];
     for (vector, right) in block.chunks_exact(2 * size).zip(right.chunks_exact_mut(size)) {
         point.combine([shift, one, zero], &vector[..size], side, right);
@@ -169,6 +170,7 @@ fn append(
     seed: &mut u64,
 ) {
     let one = c64::new(1.0, 0.0);
+    let width = block.len() / (2 * size);
     for (index, vector) in block.chunks_exact_mut(2 * size).enumerate() {
         let count = known + index;
         let before = vector.iter().map(Complex::norm_sqr).sum::<f64>().sqrt();
@@ -182,7 +184,7 @@ fn append(
             matmul(&mut column, Accum::Add, old, coefficients.as_ref(), -one, Par::Seq);
             if is_new && let Some(projected) = projected.as_deref_mut() {
                 for row in 0..count {
-                    projected[(row, known - BLOCK + index)] += coefficients[(row, 0)];
+                    projected[(row, known - width + index)] += coefficients[(row, 0)];
                 }
             }
             // The space is complete: what is left is rounding.
@@ -204,7 +206,7 @@ fn append(
             }
         }
         if is_new && let Some(projected) = projected.as_deref_mut() {
-            projected[(count, known - BLOCK + index)] = c64::new(norm, 0.0);
+            projected[(count, known - width + index)] = c64::new(norm, 0.0);
         }
         let factor = if norm > 0.0 { 1.0 / norm } else { 0.0 };
         for (row, value) in vector.iter().enumerate() {

@@ -142,6 +142,42 @@ fn a_band_that_reaches_far_from_all_pairs_is_searched() {
     assert_eq!(pairs.len(), expected);
 }
 
+/// Strong friction makes pairs grow by more than twice a cycle. In any band the unstable ones are those of all eigenvalues.
+#[test]
+fn pairs_that_grow_fast_are_found() {
+    let (mut fast, mut slow) = (0, 0);
+    for size in [30, 160] {
+        let chain = Chain::new(size);
+        let matrices = chain.matrices();
+        for factor in [1.0, 6.0, 20.0, 40.0, 100.0] {
+            let coefficients = friction(factor);
+            let all = chain.dense(&coefficients);
+            let point = matrices.at(&coefficients).unwrap();
+            for [lowest, highest] in
+                [[200.0, 2500.0], [700.0, 1000.0], [1200.0, 1900.0], [2000.0, 8000.0], [10.0, 900.0]]
+            {
+                let region = Region { lowest, highest, damping_ratio: 0.0 };
+                let of = |values: &mut dyn Iterator<Item = Complex>| {
+                    let mut values: Vec<_> = values.filter(|value| region.contains(*value)).collect();
+                    values.sort_by(|a, b| a.im.total_cmp(&b.im));
+                    values
+                };
+                let expected = of(&mut all.iter().copied());
+                let found = point.pairs_about(&region, KrylovLimit::default()).unwrap();
+                let found = of(&mut found.iter().map(|pair| pair.eigenvalue));
+                assert_eq!(found.len(), expected.len(), "{size} {factor} {region:?}");
+                for (found, expected) in found.iter().zip(&expected) {
+                    assert!(magnitude(found - expected) < 1e-6 * magnitude(*expected), "{found} {expected}");
+                    let is_fast = damping_ratio(*expected) < -0.3;
+                    fast += usize::from(is_fast);
+                    slow += usize::from(!is_fast);
+                }
+            }
+        }
+    }
+    assert!(fast > 25 && slow > 100, "{fast} {slow}");
+}
+
 #[test]
 fn double_eigenvalues_of_a_ring_are_found_twice() {
     let size = 60;
