@@ -8,7 +8,7 @@ mod common;
 
 use std::fs;
 
-use common::{Place, Table, python_agrees, submitted};
+use common::{Place, Table, python_agrees, repository, submitted};
 use serde_json::Value;
 
 /// A grid with more than one value on every axis, and columns with missing values: without scatter there are no
@@ -142,6 +142,20 @@ fn numpy_and_scipy_read_arrays_over_the_axes() {
             return;
         }
     }
+}
+
+/// A model without a pair has no axis of scatter where nothing scatters.
+#[test]
+fn a_surface_without_scatter_is_exported() {
+    let place = Place::new();
+    let job = fs::read_to_string(repository().join("jobs/hoffmann.toml")).unwrap();
+    let scatter = "[random]\ninputs = [\"friction\"]\nrelative_std = 0.1\n";
+    assert!(job.contains(scatter));
+    place.write("still.toml", &job.replace(scatter, ""));
+    place.run("submit still.toml --out run").done();
+    place.run("export run --format csv --out run.csv").done();
+    let text = fs::read_to_string(place.path("run.csv")).unwrap();
+    assert!(text.starts_with("cell,") && !text.contains("std_") && text.lines().count() > 2, "{text}");
 }
 
 #[test]

@@ -94,8 +94,8 @@ def test_run_goes_on_with_an_interrupted_run(place: Path, whole: bytes) -> None:
 
 def test_run_goes_on_with_a_run_of_fewer_samples(place: Path) -> None:
     interrupted_run(place)
-    run = stickslip.run(LONG, "long", progress=False, samples=60_001)
-    assert set(run.surface()["n_samples"]) == {60_001}
+    run = stickslip.run(LONG, "long", progress=False, samples=200_001)
+    assert set(run.surface()["n_samples"]) == {200_001}
 
 
 def interrupted_run(place: Path) -> None:

@@ -14,36 +14,52 @@ pub struct RememberedIntervals<'a, 'k> {
 }
 
 impl Memory for RememberedIntervals<'_, '_> {
-    fn next(&self, _: [f64; 2], find: &mut dyn FnMut() -> Option<OnInterval>) -> Option<OnInterval> {
-        let find = || if (self.is_stopped)() { Err(()) } else { find().ok_or(()) };
-        self.asked.ask_any(read, write, find).ok()
+    fn next(&self, interval: [f64; 2], find: &mut dyn FnMut() -> Option<OnInterval>) -> Option<OnInterval> {
+        // Where nothing is found, that is kept too: other searches may follow in the same answers.
+        let find = || if (self.is_stopped)() { Err(()) } else { Ok(find()) };
+        self.asked.ask_any(|numbers| read(interval, numbers), |found| write(interval, found), find).ok().flatten()
     }
 }
 
-/// An interval as numbers: how many it is unstable on surely, and possibly, and the ends of these; -1 if it is to be halved.
-fn write(found: &OnInterval) -> Vec<f64> {
-    let Some(UnstableValues { surely, possibly }) = found else { return vec![TO_BE_HALVED] };
-    let counts = [surely, possibly].map(|intervals| intervals.len() as f64);
-    counts.into_iter().chain(surely.iter().chain(possibly).flatten().copied()).collect()
-}
-
+/// What stands for an interval on which nothing was found, and for one that is to be halved.
+const NOTHING: f64 = -2.0;
 const TO_BE_HALVED: f64 = -1.0;
 
-/// An interval from the first of these numbers, if they can be one, and how many they are.
-fn read(numbers: &[f64]) -> Option<(OnInterval, usize)> {
-    let (&first, rest) = numbers.split_first()?;
-    if first == TO_BE_HALVED {
-        return Some((None, 1));
+/// An interval as numbers: its ends, on how many others it is unstable surely, and possibly, and the ends of these.
+fn write(interval: [f64; 2], found: &Option<OnInterval>) -> Vec<f64> {
+    let mut numbers = interval.to_vec();
+    match found {
+        None => numbers.push(NOTHING),
+        Some(None) => numbers.push(TO_BE_HALVED),
+        Some(Some(UnstableValues { surely, possibly })) => {
+            numbers.extend([surely, possibly].map(|intervals| intervals.len() as f64));
+            numbers.extend(surely.iter().chain(possibly).flatten());
+        }
     }
-    let (&second, ends) = rest.split_first()?;
-    let [surely, possibly] = [count(first, ends)?, count(second, ends)?];
+    numbers
+}
+
+/// This interval from the first of these numbers, if they can be it, and how many they are.
+fn read(interval: [f64; 2], numbers: &[f64]) -> Option<(Option<OnInterval>, usize)> {
+    let (ends, numbers) = numbers.split_first_chunk::<2>()?;
+    let (&first, rest) = numbers.split_first()?;
+    if ends.map(f64::to_bits) != interval.map(f64::to_bits) {
+        return None;
+    }
+    match first {
+        NOTHING => return Some((None, 3)),
+        TO_BE_HALVED => return Some((Some(None), 3)),
+        _ => {}
+    }
+    let (&second, rest) = rest.split_first()?;
+    let [surely, possibly] = [count(first, rest)?, count(second, rest)?];
     let intervals: Vec<[f64; 2]> =
-        ends.chunks_exact(2).take(surely + possibly).map(|ends| [ends[0], ends[1]]).collect();
+        rest.chunks_exact(2).take(surely + possibly).map(|ends| [ends[0], ends[1]]).collect();
     let are_sound = intervals.iter().all(|[from, to]| from.is_finite() && to.is_finite() && from <= to);
     let (surely, possibly) =
         intervals.split_at_checked(surely).filter(|(_, rest)| are_sound && rest.len() == possibly)?;
     let found = UnstableValues { surely: surely.to_vec(), possibly: possibly.to_vec() };
-    Some((Some(found), 2 + 2 * intervals.len()))
+    Some((Some(Some(found)), 4 + 2 * intervals.len()))
 }
 
 /// A number of intervals, no more than these numbers can hold.
@@ -62,43 +78,52 @@ mod tests {
         Some(UnstableValues { surely: surely.to_vec(), possibly: possibly.to_vec() })
     }
 
+    /// Two searches in a row, of which the first finds nothing on its third interval.
     #[test]
-    fn what_was_found_is_not_found_again() {
-        let answers = [None, on(&[], &[]), on(&[[1.0, 2.0]], &[[0.5, 2.0], [3.0, 4.0]]), None, on(&[], &[[4.0, 5.0]])];
+    fn what_was_found_is_not_found_again_and_searches_stay_in_step() {
+        let answers = [
+            Some(None),
+            Some(on(&[], &[])),
+            None,
+            Some(on(&[[1.0, 2.0]], &[[0.5, 2.0], [3.0, 4.0]])),
+            Some(None),
+            Some(on(&[], &[[4.0, 5.0]])),
+        ];
         let keeper = InMemory::default();
         let found = Cell::new(0);
-        for stop in [2, 4, usize::MAX] {
+        for stop in [2, 3, 5, usize::MAX] {
             let asked = Asked::new(Some(&keeper), (0, 0));
             let is_stopped = || found.get() >= stop;
             let memory = RememberedIntervals { asked: &asked, is_stopped: &is_stopped };
-            let all: Vec<Option<OnInterval>> = (0..answers.len())
-                .map(|number| {
-                    memory.next([0.0, 1.0], &mut || {
-                        found.set(found.get() + 1);
-                        Some(answers[number].clone())
-                    })
-                })
-                .take_while(Option::is_some)
-                .collect();
-            let expected = answers.iter().take(stop).cloned().map(Some);
-            assert!(all.iter().cloned().eq(expected), "{all:?}");
+            for (number, answer) in answers.iter().enumerate() {
+                let mut find = || {
+                    found.set(found.get() + 1);
+                    answer.clone()
+                };
+                let told = memory.next([number as f64, 9.0], &mut find);
+                assert_eq!(told, answer.clone().filter(|_| number < stop), "{number} {stop}");
+            }
         }
         assert_eq!(found.get(), answers.len(), "an interval was searched twice");
     }
 
     #[test]
     fn numbers_that_cannot_be_an_interval_say_nothing() {
-        assert_eq!(read(&[1.0, 1.0, 0.0, 2.0, 0.0, 3.0, 7.0]), Some((on(&[[0.0, 2.0]], &[[0.0, 3.0]]), 6)));
-        let broken: [&[f64]; 8] = [
+        let of = |numbers: &[f64]| read([0.0, 1.0], numbers);
+        let found = on(&[[0.0, 2.0]], &[[0.0, 3.0]]);
+        assert_eq!(of(&[0.0, 1.0, 1.0, 1.0, 0.0, 2.0, 0.0, 3.0, 7.0]), Some((Some(found), 8)));
+        let broken: [&[f64]; 10] = [
             &[],
-            &[0.0],
-            &[0.5, 0.0],
-            &[1.0, 0.0, 2.0],
-            &[1.0, 0.0, 2.0, 1.0],
-            &[1.0, 0.0, f64::NAN, 1.0],
-            &[0.0, 1e300, 1.0, 2.0],
-            &[-2.0, 0.0, 1.0, 2.0],
+            &[0.0, 1.0],
+            &[0.0, 1.0, 0.0],
+            &[0.0, 1.0, 0.5, 0.0],
+            &[0.0, 1.0, 1.0, 0.0, 2.0],
+            &[0.0, 1.0, 1.0, 0.0, 2.0, 1.0],
+            &[0.0, 1.0, 1.0, 0.0, f64::NAN, 1.0],
+            &[0.0, 1.0, 0.0, 1e300, 1.0, 2.0],
+            &[0.0, 1.0, -3.0, 0.0, 1.0, 2.0],
+            &[0.0, 2.0, -1.0],
         ];
-        broken.iter().for_each(|numbers| assert_eq!(read(numbers), None, "{numbers:?}"));
+        broken.iter().for_each(|numbers| assert_eq!(of(numbers), None, "{numbers:?}"));
     }
 }

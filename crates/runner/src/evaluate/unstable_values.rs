@@ -46,7 +46,7 @@ impl UnstableValuesOfInput {
     }
 
     /// The probability over the input with this distribution. All distributions that are asked for lie within the reach.
-    /// `memory` is that of the search for these values of the other quantities, which is made once.
+    /// The search for these values of the other quantities is made once, with `memory`; one memory may serve several in a row.
     pub fn with_distribution(
         &self,
         job: &Job,

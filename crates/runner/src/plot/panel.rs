@@ -276,6 +276,6 @@ pub fn left_of(vertical: &Axis, height: f64) -> f64 {
 
 /// A title about a place, in a smaller font where it is long.
 fn title(canvas: &mut Canvas, at: Place, text: &str, length: f64, turn: f64) {
-    let size = (7..=NORMAL).rev().find(|&size| width_of(text, size) <= length).unwrap_or(7);
+    let size = (5..=NORMAL).rev().find(|&size| width_of(text, size) <= length).unwrap_or(5);
     canvas.text(at, text, size, Side::Middle, turn, BLACK);
 }

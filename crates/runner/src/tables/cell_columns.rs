@@ -11,7 +11,7 @@ use crate::job::Job;
 /// The axes of a job's grid, slowest first: the name of the column that has the values of each, and these values.
 ///
 /// The axis of standard deviations goes by the first input in which its entries differ, as one column has to stand for
-/// all inputs.
+/// all inputs. There is none without inputs, unless the model has a pair, whose columns are always there.
 pub fn axes(job: &Job) -> Vec<(String, Vec<f64>)> {
     let Job { grid, random, .. } = job;
     let mut axes: Vec<(String, Vec<f64>)> = grid
@@ -21,9 +21,10 @@ pub fn axes(job: &Job) -> Vec<(String, Vec<f64>)> {
         .collect();
     let input = random.first_varied().unwrap_or_default();
     let place = random.inputs.get(input).copied().or(job.model().pair().map(|pair| pair[0]));
-    let scattered = place.map_or("input", |place| &*job.quantity(place).name);
-    let stds = random.relative_stds.iter().map(|entry| entry.get(input).copied().unwrap_or(0.0)).collect();
-    axes.insert(grid.slower_than_scatter, (format!("std_{scattered}"), stds));
+    if let Some(place) = place {
+        let stds = random.relative_stds.iter().map(|entry| entry.get(input).copied().unwrap_or(0.0)).collect();
+        axes.insert(grid.slower_than_scatter, (format!("std_{}", job.quantity(place).name), stds));
+    }
     axes
 }
 

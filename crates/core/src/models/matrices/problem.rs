@@ -29,8 +29,7 @@ const SPARSE_STEPS: Steps = Steps { first: 4, halvings: 10 };
 pub enum Solver {
     /// Dense ones: all eigenvalues, for some hundred degrees of freedom.
     Dense,
-    /// Sparse ones: those in the bands, for as many degrees of freedom as one LU factorisation can have. Pairs that grow by
-    /// a damping ratio below the threshold by more than 0.3 are not looked for.
+    /// Sparse ones: those in the bands, for as many degrees of freedom as one LU factorisation can have.
     Sparse,
 }
 

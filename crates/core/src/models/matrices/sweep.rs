@@ -2,6 +2,7 @@
 
 use super::branches::{Branches, Critical, Followed, Images, Place, Target, overlap};
 use super::error::Error;
+use super::pair::Complex;
 use super::region::{RESOLUTION, Region, damping_ratio, magnitude, square_root};
 use crate::model::critical_values::{Memory, OnInterval, UnstableValues};
 
@@ -190,7 +191,7 @@ impl dyn Branches + '_ {
         }
         let targets = targets(region);
         let mut changes = Vec::new();
-        let mut quiet = Vec::new();
+        let (mut unchanged, mut changed) = (Vec::new(), Vec::new());
         for branch in branches {
             if !may_count(region, branch.from, step) && !may_count(region, branch.to, step) {
                 continue;
@@ -206,15 +207,9 @@ impl dyn Branches + '_ {
                     None => return Ok(None),
                 }
             }
-            if changes.len() == before && !is_unstable(region, branch.from) {
-                quiet.push(branch);
-            }
+            (if changes.len() == before { &mut unchanged } else { &mut changed }).push(branch);
         }
-        let may_flutter = |a: &Branch<'_>, b: &Branch<'_>| {
-            let [from, to] = [(from, step, [a.from, b.from]), (to, -step, [a.to, b.to])];
-            [from, to].into_iter().any(|(node, step, pairs)| may_couple(region, &*node.place, pairs, step))
-        };
-        if quiet.iter().enumerate().any(|(i, a)| quiet[..i].iter().any(|b| may_flutter(a, b))) {
+        if unchanged.into_iter().any(|branch| interval.may_couple(region, branch, &changed)) {
             return Ok(None);
         }
         let more: i32 = changes.iter().map(|change| change.more).sum();
@@ -240,6 +235,9 @@ impl dyn Branches + '_ {
             Err(error) => return Err(error),
         };
         let Critical { at, error } = critical;
+        if !error.is_finite() {
+            return Ok(None);
+        }
         let (_, slope) = target.distance(&at);
         let (is_change, is_more, shift) = match target {
             // The threshold itself, by the tangent: samples count as unstable a little below it.
@@ -278,7 +276,13 @@ impl<'a> Interval<'a> {
     /// Whether a pair is so near a target at both ends that its error says no more of what lies between.
     fn is_within_errors(&self, region: &Region) -> bool {
         let step = self.ends[1].p - self.ends[0].p;
-        let is_near = |end: &Followed, target: Target| target.distance(end).0.abs() <= 2.0 * target.error(&end.pair);
+        let is_near = |end: &Followed, target: Target| {
+            let counts = match target {
+                Target::DampingRatio(_) => region.has_frequency_of(end.pair.eigenvalue),
+                Target::Frequency(_) => is_unstable(region, end),
+            };
+            counts && target.distance(end).0.abs() <= 2.0 * target.error(&end.pair)
+        };
         self.branches.iter().filter(|branch| may_count(region, branch.from, step)).any(|branch| {
             targets(region).into_iter().any(|target| [branch.from, branch.to].iter().all(|end| is_near(end, target)))
         })
@@ -290,6 +294,19 @@ impl<'a> Interval<'a> {
         self.branches.iter().any(|branch| {
             [branch.from, branch.to].iter().all(|end| region.contains(end.pair.eigenvalue))
                 && targets(region).into_iter().all(|target| branch.meets(target, step) == Some(None))
+                && !self.may_couple(region, branch, &[])
+        })
+    }
+
+    /// Whether what couples a pair with another inside, other than with these, may make one of them unstable or stable.
+    fn may_couple(&self, region: &Region, branch: &Branch<'_>, but: &[&Branch<'_>]) -> bool {
+        let [from, to] = self.ends;
+        let step = to.p - from.p;
+        let is = |other: &Branch<'_>, one: &Branch<'_>| std::ptr::eq(other.from, one.from);
+        let others = self.branches.iter().filter(|other| !is(other, branch) && !but.iter().any(|one| is(other, one)));
+        others.into_iter().any(|other| {
+            may_couple(region, &*from.place, [branch.from, other.from], step)
+                || may_couple(region, &*to.place, [branch.to, other.to], -step)
         })
     }
 }
@@ -410,8 +427,8 @@ fn may_count(region: &Region, followed: &Followed, step: f64) -> bool {
             && frequency < region.highest + drift
 }
 
-/// Whether two stable pairs that come near each other within a step may couple to an unstable one: by the problem of these
-/// two alone, to first order in the step.
+/// Whether two pairs that come near each other within a step may couple so that one becomes unstable or stable: by the problem
+/// of these two alone, to first order in the step.
 fn may_couple(region: &Region, place: &dyn Place, [a, b]: [&Followed; 2], step: f64) -> bool {
     let distance = a.pair.eigenvalue.im - b.pair.eigenvalue.im;
     if distance.abs() > 2.0 * (step * (a.slope.im - b.slope.im)).abs() {
@@ -425,10 +442,16 @@ fn may_couple(region: &Region, place: &dyn Place, [a, b]: [&Followed; 2], step: 
     let [first, second] = [a, b].map(|followed| followed.pair.eigenvalue + followed.slope * change);
     let (mean, half) = ((first + second) * 0.5, (first - second) * 0.5);
     let root = square_root(half * half + product * (change * change));
-    let least = damping_ratio(mean + root).min(damping_ratio(mean - root));
-    let alone = damping_ratio(first).min(damping_ratio(second));
-    // What the coupling takes, counted twice for what the first order leaves out.
-    alone - 2.0 * (alone - least).max(0.0) < region.damping_ratio - RESOLUTION
+    let rising = |pair: [Complex; 2]| {
+        let [a, b] = pair.map(damping_ratio);
+        [a.min(b), a.max(b)]
+    };
+    let (alone, coupled) = (rising([first, second]), rising([mean + root, mean - root]));
+    // What the coupling does, counted twice for what the first order leaves out.
+    let beyond = [2.0 * coupled[0] - alone[0], 2.0 * coupled[1] - alone[1]];
+    let unstable = |ratios: [f64; 2]| ratios.map(|ratio| ratio < region.damping_ratio - RESOLUTION).map(u8::from);
+    let now = unstable(rising([a.pair.eigenvalue, b.pair.eigenvalue]));
+    !root.is_finite() || unstable(alone) != now || unstable(beyond) != now
 }
 
 impl Branch<'_> {

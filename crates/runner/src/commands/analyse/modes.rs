@@ -76,7 +76,7 @@ impl ModesAtPoint {
         let modes = modes.map_err(|error| failed(job, &error))?;
         if problem.is_sparse() {
             note(format_args!(
-                "of so large a model the modes are found whose damping ratios lie below 0.05 above the threshold"
+                "of so large a model the modes are found whose damping ratios are at most 0.05 above the threshold"
             ));
         }
         let critical = parameters.iter().enumerate();

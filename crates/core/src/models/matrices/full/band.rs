@@ -30,16 +30,18 @@ const DAMPING: [f64; 2] = [0.3, 0.05];
 const LEAST: f64 = -0.99;
 
 /// The direction of these shifts, in which damping ratios are -0.81. With `(lambda + conj s) / (lambda - s)` the left half plane
-/// becomes the unit disc, and damping ratios from -0.3 to -0.97, at frequencies within a factor of three of the shift, lie
+/// becomes the unit disc, and damping ratios from -0.3 to -0.97, of magnitudes within a factor of three of the shift, lie
 /// outside it by a factor of 1.25 at least: so much each step favours them.
 const GROWING: Complex = Complex::new(0.81, 0.586_429_876);
+
+/// The range of magnitudes that a shift serves, and the steps from it.
 const RATIO: f64 = 9.0;
 const STEPS: usize = 40;
 
 /// The residual at which a value of such a space is looked into.
 const SUSPICIOUS: f64 = 0.1;
 
-/// The lowest frequency at which pairs are suspected, over the highest one.
+/// Where shifts begin in a band that goes down to 0, over its highest frequency.
 const LOWEST: f64 = 1e-3;
 
 /// Which eigenpairs are wanted: by angular frequency in rad/s, and by damping ratio. A pair outside is not looked for, also if
@@ -64,13 +66,13 @@ impl Band {
     }
 
     /// A band that has the pairs of a region and those that come into it near by: a little wider, with damping ratios from 0.3
-    /// below its threshold to 0.05 above.
+    /// below its threshold, or -0.3, to 0.05 above.
     #[must_use]
     pub fn about(region: &Region) -> Self {
         Self {
             low: region.lowest * (1.0 - MARGIN),
             high: region.highest * (1.0 + MARGIN),
-            least_damping: (region.damping_ratio - DAMPING[0]).max(-0.9),
+            least_damping: (region.damping_ratio - DAMPING[0]).clamp(-0.9, -DAMPING[0]),
             most_damping: (region.damping_ratio + DAMPING[1]).max(DAMPING[1]),
         }
     }
@@ -184,7 +186,7 @@ impl Point<'_> {
     /// As [`Point::pairs_in`].
     pub fn pairs_about(&self, region: &Region, limit: KrylovLimit) -> Result<Vec<Pair>, Error> {
         let mut band = Band::about(region);
-        if band.least_damping > LEAST && self.seems_to_grow_faster(&band)? {
+        if self.seems_to_grow_faster(&band)? {
             band.least_damping = LEAST;
         }
         self.pairs_in(band, limit)
