@@ -238,4 +238,31 @@ mod tests {
         // Undamped they flutter for |p - 0.3| < 2e-4.
         assert!(from > 0.2997 && from < 0.3 && to > 0.3 && to < 0.3003, "{from} {to}");
     }
+
+    /// Two modes that cross and exchange their damping, weakly coupled: where they meet, both have the mean of their damping
+    /// ratios, which is above the threshold. With couplings down to 1e-3 the stable window is 1/400 of an interval.
+    #[test]
+    fn a_narrow_window_of_stability_is_found() {
+        for coupling in [0.1, 0.03, 0.01, 1e-3] {
+            let stiffness = [dmatrix![1.0, coupling; coupling, 0.5], dmatrix![0.0, 0.0; 0.0, 1.0]];
+            let ratios = [0.1 * coupling, 0.3 * coupling];
+            let damping = [DMatrix::from_diagonal(&DVector::from_iterator(2, ratios.map(|ratio| 2.0 * ratio)))];
+            let problem = DenseQuadratic::new(&DMatrix::identity(2, 2), &damping, &stiffness, &[1.0; 3]).unwrap();
+            let region = Region { lowest: 0.1, highest: 10.0, damping_ratio: 0.15 * coupling }.in_unit(problem.unit());
+            let path = Line { from: vec![1.0, 1.0, 0.0], direction: vec![0.0, 0.0, 1.0] };
+            let branches: &dyn Branches = &DenseBranches { problem: &problem, path: &path };
+            let within = [0.0, 1.07];
+            let found = branches.unstable_values(&region, within, STEPS, &NoMemory).unwrap();
+            let [first, last] = found.surely[..] else { panic!("{coupling}: {found:?}") };
+            // At their meeting the modes share both; stable is where the one of less damping has taken enough from the other.
+            let is_stable = |p: f64| {
+                let values = problem.at(&path.coefficients(p)).eigenvalues().unwrap();
+                !values.iter().any(|value| region.contains(*value))
+            };
+            assert!(is_stable(0.5) && first[1] < 0.5 && last[0] > 0.5, "{coupling}: {found:?}");
+            for (end, outwards) in [(first[1], -1.0), (last[0], 1.0)] {
+                assert!(is_stable(end - outwards * 1e-6) && !is_stable(end + outwards * 1e-6), "{coupling}: {found:?}");
+            }
+        }
+    }
 }
