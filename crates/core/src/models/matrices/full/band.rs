@@ -196,10 +196,11 @@ impl Point<'_> {
     fn seems_to_grow_faster(&self, band: &Band) -> Result<bool, Error> {
         // Eigenvalues that are nearly real are larger than their frequencies.
         let (low, high) = (band.low.max(LOWEST * band.high), 2.0 * band.high);
-        let shifts = ((high / low).ln() / RATIO.ln()).ceil().max(1.0);
+        let span = libm::log(high / low);
+        let shifts = (span / libm::log(RATIO)).ceil().max(1.0);
         let effort = Effort { radius: f64::INFINITY, vectors: STEPS, block: 1, tolerance: TOLERANCE };
         for index in 0..shifts as usize {
-            let size = low * (high / low).powf((index as f64 + 0.5) / shifts);
+            let size = low * libm::exp(span * (index as f64 + 0.5) / shifts);
             let near = self.factorise(GROWING * size)?;
             let space = Krylov::new(self, &near, Side::Right, effort)?;
             let is_suspicious = |value: &Ritz| {
