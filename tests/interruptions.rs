@@ -217,8 +217,7 @@ fn slow_search(sampling: &str) -> String {
 }
 
 /// Starts a command again and again and stops it each time, as a batch system does, until it ends by itself. `kept` says after
-/// each session how much it has kept, which becomes more. The number of sessions, and what was kept
-/// after the last.
+/// each session how much it has kept, which becomes more. The number of sessions, and what was kept after the last.
 #[track_caller]
 fn stopped_until_done(start: impl Fn() -> Running, milliseconds: u64, kept: impl Fn() -> u64) -> (u32, u64) {
     let (mut before, mut sessions, mut idle) = (0, 0, 0);

@@ -100,18 +100,26 @@ mod tests {
         branches.sweep(region, within, STEPS).unwrap()
     }
 
+    /// A random problem, and the path along one of its coefficients.
+    fn along_a_coefficient(seed: u64) -> (DenseQuadratic, Line, Region) {
+        let (problem, mut from, region) = problem(seed);
+        let coefficient = seed as usize % from.len();
+        let mut direction = vec![0.0; from.len()];
+        direction[coefficient] = 1.0;
+        from[coefficient] = 0.0;
+        (problem, Line { from, direction }, region)
+    }
+
+    /// Where these paths end.
+    const HIGHEST: f64 = 4.0;
+
     /// Along each coefficient of random problems, the stretches with an unstable pair are those that all eigenvalues show.
     /// Returns how many changes there were, and problems with several stretches.
     fn compare(seeds: std::ops::Range<u64>, places: u32) -> [usize; 2] {
         let (mut changes, mut several) = (0, 0);
         for seed in seeds {
-            let (problem, origin, region) = problem(seed);
-            let coefficient = seed as usize % origin.len();
-            let mut direction = vec![0.0; origin.len()];
-            direction[coefficient] = 1.0;
-            let mut from = origin.clone();
-            from[coefficient] = 0.0;
-            let (path, within) = (Line { from, direction }, [0.0, 4.0]);
+            let (problem, path, region) = along_a_coefficient(seed);
+            let within = [0.0, HIGHEST];
             let found = sweep(&problem, &path, &region, within);
             changes += found.changes.len();
             let branches: &dyn Branches = &DenseBranches { problem: &problem, path: &path };
@@ -120,7 +128,7 @@ mod tests {
             let wide: f64 = found.unresolved.iter().map(|([from, to], _)| to - from).sum();
             assert!(wide < 1e-6, "{seed}: {:?}", found.unresolved);
             for step in 0..=places {
-                let p = 4.0 * f64::from(step) / f64::from(places);
+                let p = HIGHEST * f64::from(step) / f64::from(places);
                 let values = problem.at(&path.coefficients(p)).eigenvalues().unwrap();
                 let is_clear = |value: &Eigenvalue| {
                     let with = |ratio: f64| Region { damping_ratio: region.damping_ratio + ratio, ..region };
@@ -161,12 +169,8 @@ mod tests {
     fn a_search_that_is_stopped_again_and_again_finds_what_the_sweep_does() {
         let (mut several, mut halved) = (0, 0);
         for seed in 0..60 {
-            let (problem, mut from, region) = problem(seed);
-            let coefficient = seed as usize % from.len();
-            let mut direction = vec![0.0; from.len()];
-            direction[coefficient] = 1.0;
-            from[coefficient] = 0.0;
-            let (path, within) = (Line { from, direction }, [0.0, 4.0]);
+            let (problem, path, region) = along_a_coefficient(seed);
+            let within = [0.0, HIGHEST];
             let branches: &dyn Branches = &DenseBranches { problem: &problem, path: &path };
             let expected = branches.unstable_values(&region, within, STEPS, &NoMemory).unwrap();
             let all = sweep(&problem, &path, &region, within).unstable(within);

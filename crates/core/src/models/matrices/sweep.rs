@@ -1,5 +1,7 @@
 //! All places on a path at which the number of unstable pairs in a band changes.
 
+use std::rc::Rc;
+
 use super::branches::{Branches, Critical, Followed, Images, Place, Target, overlap};
 use super::error::Error;
 use super::pair::Complex;
@@ -48,8 +50,6 @@ pub struct Sweep {
     pub changes: Vec<Change>,
     /// Intervals in which the number could not be followed, with how much it changes over them.
     pub unresolved: Vec<([f64; 2], i32)>,
-    /// At how many places all pairs of the band were found.
-    pub places: usize,
 }
 
 impl Sweep {
@@ -128,9 +128,7 @@ struct Interval<'a> {
 struct Nodes<'a> {
     branches: &'a dyn Branches,
     region: &'a Region,
-    known: Vec<Node<'a>>,
-    /// How many were found.
-    places: usize,
+    known: Vec<Rc<Node<'a>>>,
 }
 
 /// A pair of an interval's lower end and the same at its upper end.
@@ -146,7 +144,7 @@ impl dyn Branches + '_ {
     /// vectors; a cubic through damping ratio, frequency and their slopes says whether a pair meets the threshold or an end of
     /// the band inside. Where pairs cannot be joined, where the cubic comes near without meeting, or where the changes do not
     /// add up to the numbers at the ends, the interval is halved; also where two pairs come near each other and what couples
-    /// them may make one unstable in between. Critical values are then found by Newton's method on the matrices. A pair that
+    /// them may make one unstable or stable in between. Critical values are then found by Newton's method on the matrices. A pair that
     /// becomes unstable and stable again between two places, with no sign of it there in slopes and couplings, would be
     /// missed.
     ///
@@ -155,7 +153,7 @@ impl dyn Branches + '_ {
     pub fn sweep(&self, region: &Region, within: [f64; 2], steps: Steps) -> Result<Sweep, Error> {
         let mut nodes = Nodes::new(self, region);
         let intervals = settled(within, steps, |interval, may_halve| nodes.settle(interval, may_halve))?;
-        let mut sweep = Sweep { at_start: 0, changes: Vec::new(), unresolved: Vec::new(), places: nodes.places };
+        let mut sweep = Sweep { at_start: 0, changes: Vec::new(), unresolved: Vec::new() };
         sweep.at_start = intervals.first().map_or(0, |first| first.at_start);
         for interval in intervals {
             sweep.changes.extend(interval.changes);
@@ -313,19 +311,19 @@ impl<'a> Interval<'a> {
 
 impl<'a> Nodes<'a> {
     fn new(branches: &'a dyn Branches, region: &'a Region) -> Self {
-        Self { branches, region, known: Vec::new(), places: 0 }
+        Self { branches, region, known: Vec::new() }
     }
 
-    /// The sweep of an interval, which begins where the last one began or ended; nothing if it is to be halved.
+    /// The sweep of an interval; nothing if it is to be halved. No later interval begins below this one.
     fn settle(&mut self, ends: [f64; 2], may_halve: bool) -> Result<Option<Sweep>, Error> {
-        self.find(ends)?;
-        self.settle_joined(&self.joined(ends)?, may_halve)
+        let [from, to] = self.ends(ends)?;
+        self.settle_joined(&Interval::new([&from, &to]), may_halve)
     }
 
     /// The unstable values of such an interval: all of them where one pair is unstable all along, whatever the others do.
     fn unstable(&mut self, ends: [f64; 2], may_halve: bool) -> Result<OnInterval, Error> {
-        self.find(ends)?;
-        let interval = self.joined(ends)?;
+        let [from, to] = self.ends(ends)?;
+        let interval = Interval::new([&from, &to]);
         if interval.is_unstable_throughout(self.region) {
             return Ok(Some(UnstableValues { surely: vec![ends], possibly: vec![ends] }));
         }
@@ -340,28 +338,24 @@ impl<'a> Nodes<'a> {
             None if may_halve && !interval.is_within_errors(self.region) => return Ok(None),
             None => (Vec::new(), vec![([from.p, to.p], signed(counts[1]) - signed(counts[0]))]),
         };
-        Ok(Some(Sweep { at_start: counts[0], changes, unresolved, places: self.places }))
+        Ok(Some(Sweep { at_start: counts[0], changes, unresolved }))
     }
 
-    /// Finds the nodes at both ends of an interval. Those below it are needed no more.
-    fn find(&mut self, ends: [f64; 2]) -> Result<(), Error> {
-        self.known.retain(|node| node.p >= ends[0]);
-        for p in ends {
-            if !self.known.iter().any(|node| node.p == p) {
-                let place = self.branches.at(p)?;
-                let pairs = place.pairs(self.region)?.into_iter().map(|pair| Followed::new(p, pair, &*place)).collect();
-                self.known.push(Node { p, place, pairs });
-                self.places += 1;
-            }
+    /// The nodes at both ends of an interval. Those below it are needed no more.
+    fn ends(&mut self, [low, high]: [f64; 2]) -> Result<[Rc<Node<'a>>; 2], Error> {
+        self.known.retain(|node| node.p >= low);
+        Ok([self.node(low)?, self.node(high)?])
+    }
+
+    fn node(&mut self, p: f64) -> Result<Rc<Node<'a>>, Error> {
+        if let Some(node) = self.known.iter().find(|node| node.p == p) {
+            return Ok(node.clone());
         }
-        Ok(())
-    }
-
-    /// An interval whose ends are known.
-    fn joined(&self, ends: [f64; 2]) -> Result<Interval<'_>, Error> {
-        let [from, to] = ends.map(|p| self.known.iter().find(|node| node.p == p));
-        let unknown = Error::Request("an interval whose ends are known");
-        Ok(Interval::new([from.ok_or_else(|| unknown.clone())?, to.ok_or(unknown)?]))
+        let place = self.branches.at(p)?;
+        let pairs = place.pairs(self.region)?.into_iter().map(|pair| Followed::new(p, pair, &*place)).collect();
+        let node = Rc::new(Node { p, place, pairs });
+        self.known.push(node.clone());
+        Ok(node)
     }
 }
 
