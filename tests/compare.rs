@@ -371,3 +371,23 @@ fn ctrl_c_ends_a_comparison() {
     assert!(stderr.contains("interrupted; nothing was compared"), "{stderr}");
     assert!(output.stdout.is_empty() && !place.path("out.parquet").exists());
 }
+
+/// Two masses far from instability, of which importance sampling finds nothing: there is no probability to compare.
+#[test]
+fn cells_without_a_probability_are_counted() {
+    let place = Place::new();
+    place.write(
+        "calm.toml",
+        "name = \"calm\"\n[model]\nkind = \"matrices\"\nmass = { matrix = [[1, 0], [0, 1]] }\n\
+         damping = [{ matrix = [[0.5, 0], [0, 0.5]] }]\nstiffness = [{ matrix = [[2, 0], [0, 3]], factor = \"k\" }]\n\
+         [model.parameters]\nk = 1.0\n[random]\ninputs = [\"k\"]\nrelative_std = 0.001\n[criterion]\n\
+         kind = \"complex-eigenvalue\"\nfrequency = [0.1, 1.0]\n[sampling]\nmethod = \"importance\"\nsamples = 256\n",
+    );
+    place.run("submit calm.toml").done();
+    let compared = place.run("compare runs/calm runs/calm").done();
+    assert!(compared.stdout.contains("left out          1 cell without a probability"), "{}", compared.stdout);
+    let outcome = place.run("compare runs/calm runs/calm --json").done();
+    let summary: Value = serde_json::from_str(&outcome.stdout).unwrap();
+    let summary = summary.as_array().map_or(&summary, |all| &all[0]);
+    assert_eq!((&summary["cells"], &summary["cells_without_difference"]), (&Value::from(1), &Value::from(1)));
+}

@@ -142,7 +142,11 @@ fn verdicts_are_those_of_lapack() {
             stiffness: vec![Term { matrix: matrix("k"), factor: Factor::parse("s", &["s"]).unwrap() }],
             parameters: vec![parameter],
         };
-        let criterion = ComplexEigenvalue { bands: vec![[number(3), number(4)]], damping_ratio: number(5) };
+        let criterion = ComplexEigenvalue {
+            bands: vec![[number(3), number(4)]],
+            damping_ratio: number(5),
+            counts_rigid_body_motions: false,
+        };
         let model = MatrixModel::new(Arc::new(model), criterion, Solver::Dense).unwrap();
         let expected = if &row[6] == "1" { Verdict::Unstable } else { Verdict::Stable };
         unstable += usize::from(expected == Verdict::Unstable);

@@ -304,7 +304,12 @@ impl Table {
     pub fn digest(&self) -> String {
         let mut hasher = blake3::Hasher::new();
         // The pinned digests are older than some columns.
-        let pinned = |name: &String| name != "n_outside_physics";
+        let has_weights = self.names.iter().any(|name| name == "n_effective");
+        let pinned = |name: &String| match name.as_str() {
+            "n_outside_physics" | "n_audit" | "n_audit_unstable" => false,
+            "distrust" => has_weights,
+            _ => true,
+        };
         for (name, column) in self.names.iter().zip(&self.columns).filter(|(name, _)| pinned(name)) {
             hasher.update(name.as_bytes());
             for value in column {

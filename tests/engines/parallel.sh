@@ -15,6 +15,8 @@ port=$((20000 + RANDOM % 10000))
 ssh-keygen -q -t ed25519 -N '' -f "$place/host_key"
 ssh-keygen -q -t ed25519 -N '' -f "$place/user_key"
 mkdir -p /run/sshd
+# An empty home: the user's startup files of the shell may do anything, and some take a minute for each login.
+mkdir "$place/home"
 for address in 127.0.0.1 127.0.0.2; do
     cat >"$place/sshd.$address.conf" <<EOF
 ListenAddress $address
@@ -26,6 +28,7 @@ StrictModes no
 UsePAM no
 PasswordAuthentication no
 PermitRootLogin prohibit-password
+SetEnv HOME=$place/home
 EOF
     daemon "sshd.$address" "$(command -v sshd)" -D -e -f "$place/sshd.$address.conf"
 done

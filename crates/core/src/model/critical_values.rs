@@ -54,10 +54,28 @@ impl Memory for NoMemory {
 
 /// Critical values of a quantity: what separates its stable from its unstable values, with all other quantities fixed.
 pub trait CriticalValues {
-    /// The values of the varying quantity at `place` among these, within an interval, at which a sample is unstable that has
-    /// `values` of all varying quantities (that at `place` counts for nothing). `None` if they cannot be found, or `memory`
-    /// ends the search.
-    fn unstable(&self, values: &[f64], place: usize, within: [f64; 2], memory: &dyn Memory) -> Option<UnstableValues>;
+    /// The values of the varying quantity at `place` among these at which a sample is unstable that has `values` of all
+    /// varying quantities (that at `place` counts for nothing). They are looked for between the first and the last of
+    /// `places`, which rise; the search begins with the intervals between them. `None` if they cannot be found, or `memory` ends the search.
+    fn unstable(&self, values: &[f64], place: usize, places: &[f64], memory: &dyn Memory) -> Option<UnstableValues>;
+}
+
+/// With how many intervals a search begins where nothing says which values matter.
+pub const INTERVALS: usize = 12;
+
+/// The ends of intervals of one width.
+#[must_use]
+pub fn evenly([low, high]: [f64; 2], intervals: usize) -> Vec<f64> {
+    let place = |index: usize| low + (high - low) * index as f64 / intervals as f64;
+    (0..intervals).map(place).chain([high]).collect()
+}
+
+/// The places within limits, and the limits where places lie beyond; `None` if nothing lies within.
+#[must_use]
+pub fn within(places: &[f64], [minimum, maximum]: [f64; 2]) -> Option<Vec<f64>> {
+    let [low, high] = [places.first()?.max(minimum), places.last()?.min(maximum)];
+    let inside = places.iter().copied().filter(|place| low < *place && *place < high);
+    (low < high).then(|| [low].into_iter().chain(inside).chain([high]).collect())
 }
 
 #[cfg(test)]

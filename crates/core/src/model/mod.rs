@@ -162,6 +162,11 @@ pub trait Model: fmt::Debug + Send + Sync {
         false
     }
 
+    /// Whether a sample takes longer than some 10 milliseconds.
+    fn has_very_slow_samples(&self) -> bool {
+        false
+    }
+
     /// Whether its configurations have [`ClosedForm`].
     fn has_closed_form(&self) -> bool {
         false
@@ -297,6 +302,18 @@ pub trait Configuration: Any + Send + Sync {
             form.boundary_of(&values).map_or(f64::NAN, |boundary| boundary.limit_state(values[0], values[1]))
         };
         Some((0..samples.len()).map(of_sample).collect())
+    }
+
+    /// How many limit states samples have beside that one, each below zero only where a sample is unstable, as those of single
+    /// modes.
+    fn limit_branches(&self) -> usize {
+        0
+    }
+
+    /// The limit states of samples by one of these; `None` if there is no such.
+    fn limit_branch(&self, branch: usize, samples: &Columns<'_>) -> Option<Vec<f64>> {
+        let _ = (branch, samples);
+        None
     }
 
     /// The frequency in Hz of the least damped unstable mode of each sample, not a number for samples that are stable;

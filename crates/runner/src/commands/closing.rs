@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use indicatif::HumanCount;
+use stickslip_sampler::estimate::audit::PlainSamples;
 use stickslip_sampler::estimate::interval::Estimate;
-use stickslip_sampler::estimate::weighted::Distrust;
 
 use crate::evaluate::sums::Lookups;
 use crate::failure::Failure;
@@ -15,25 +15,47 @@ use crate::picture::exceptions::Exceptions;
 use crate::picture::picture;
 use crate::store::directory::RunDirectory;
 use crate::store::outdated;
+use crate::tables::limits::RunLimits;
 use crate::tables::row::SurfaceRow;
 use crate::tables::surface::Surface;
+
+/// With which confidence plain samples exclude that something was missed.
+const CONFIDENCE: f64 = 0.95;
 
 /// Prints the result as a picture and as a sentence, where it and its `limits` are, and notes on it.
 ///
 /// # Errors
 /// An audit that found wrong verdicts in the verdict map.
-pub fn report(directory: &RunDirectory, job: &Job, surface: &Surface<'_>, limits: Option<&str>) -> Result<(), Failure> {
+pub fn report(
+    directory: &RunDirectory,
+    job: &Job,
+    surface: &Surface<'_>,
+    limits: Option<&RunLimits>,
+) -> Result<(), Failure> {
     let summary = Summary::new(surface);
-    let line = closing_line(&directory.surface(), job, &summary) + limits.unwrap_or_default();
+    let line = closing_line(&directory.surface(), job, &summary) + limits.map_or("", |limits| &limits.line);
     let notes = [
         summary.exceptions.sentences(job).into_iter().map(|sentence| sentence + "\n").collect(),
         looked_up(job, &summary),
-        distrusted(job, &summary),
+        excluded(job, &summary),
         job.reduction().map_or_else(String::new, |reduction| reduction.sentence() + "\n"),
         outdated::line(&outdated::outdated(directory), directory.path()),
     ]
     .concat();
     result(&format!("{}{}{line}{notes}", picture(surface), wrapped(&answer(job, &summary.estimates))))?;
+    if let Some(why) = limits.and_then(|limits| limits.contradiction.clone()) {
+        return Err(Failure::Audit(why));
+    }
+    let contradicted = summary.exceptions.contradicted();
+    if contradicted > 0 {
+        return Err(Failure::Audit(format!(
+            "{}: plain samples contradict the probability in {} of {}, so {} missed a region there; take method = \"monte-carlo\" for this job",
+            directory.surface().display(),
+            HumanCount(contradicted),
+            counted(job.cells().into(), "cell", "cells"),
+            job.sampling.method.asked(),
+        )));
+    }
     let Lookups { audited, differed, .. } = summary.lookups;
     if differed == 0 {
         return Ok(());
@@ -57,8 +79,9 @@ struct Summary {
     /// What was computed.
     computed: Computed,
     exceptions: Exceptions,
-    /// In how many cells the estimate is not to be trusted, where samples have weights, by reason.
-    distrusted: [u64; 4],
+    /// The plain samples beside probabilities, and the largest share of a cell that they do not exclude to have been missed.
+    plain: PlainSamples,
+    missed: f64,
     /// The largest share of wrong looked-up verdicts of a cell that its audit does not exclude.
     unaudited: f64,
 }
@@ -70,17 +93,19 @@ impl Summary {
             lookups: surface.lookups(),
             computed: Computed { samples: 0, evaluations: 0.0, error: 0.0, undecided: surface.largest_undecided() },
             exceptions: Exceptions::default(),
-            distrusted: [0; 4],
+            plain: PlainSamples::default(),
+            missed: 0.0,
             unaudited: 0.0,
         };
-        for SurfaceRow { counts, estimate, unaudited, outside_physics, weighted, .. } in surface.rows() {
+        for SurfaceRow { counts, estimate, unaudited, outside_physics, weighted, plain, distrust, .. } in surface.rows()
+        {
             summary.computed.evaluations += weighted.map_or(0.0, |weighted| weighted.evaluations);
-            match weighted.and_then(|weighted| weighted.distrust) {
-                None => {}
-                Some(Distrust::NothingFound) => summary.distrusted[0] += 1,
-                Some(Distrust::FewSamples) => summary.distrusted[1] += 1,
-                Some(Distrust::Disagreement) => summary.distrusted[2] += 1,
-                Some(Distrust::WithoutVerdict) => summary.distrusted[3] += 1,
+            summary.exceptions.add_distrust(distrust);
+            if let Some(plain) = plain.filter(|_| distrust == 0) {
+                summary.plain.decided += plain.decided;
+                summary.plain.unstable += plain.unstable;
+                let missed = plain.largest_missed([estimate.low, estimate.high], CONFIDENCE);
+                summary.missed = summary.missed.max(missed);
             }
             summary.computed.samples += u128::from(counts.total());
             summary.exceptions.add(counts.total(), counts.undecided, counts.failed, outside_physics);
@@ -119,29 +144,19 @@ fn looked_up(job: &Job, summary: &Summary) -> String {
     text + "\n"
 }
 
-/// Lines on the cells whose estimates are not to be trusted, where samples have weights.
-fn distrusted(job: &Job, summary: &Summary) -> String {
-    let [nothing, few, differ, open] = summary.distrusted;
-    if nothing + few + differ + open == 0 {
+/// A line on what the plain samples beside probabilities exclude.
+fn excluded(job: &Job, summary: &Summary) -> String {
+    let PlainSamples { decided, unstable } = summary.plain;
+    if job.plain_samples() == 0 || decided == 0 {
         return String::new();
     }
-    let more = job.sampling.method.more();
-    let mut text = String::new();
-    for (count, what) in [
-        (nothing, "no unstable sample was found, even with a larger scatter".to_owned()),
-        (few, format!("few samples have most of the probability; take more {more}")),
-        (differ, format!("independent populations disagree, so some have missed a region; take more {more}")),
-        (
-            open,
-            "samples without a verdict are more probable than unstable ones, so that the populations say little"
-                .to_owned(),
-        ),
-    ] {
-        if count > 0 {
-            text += &format!("p_unstable is null in {}: {what}\n", counted(count.into(), "cell", "cells"));
-        }
-    }
-    text
+    let [where_, of] = if job.cells() == 1 { ["the probability", ""] } else { ["the probabilities", " of a cell"] };
+    format!(
+        "{} beside {where_} ({} unstable): no region of more than {:.1e}{of} was missed\n",
+        counted(decided.into(), "plain sample", "plain samples"),
+        HumanCount(unstable),
+        summary.missed
+    )
 }
 
 fn closing_line(path: &Path, job: &Job, summary: &Summary) -> String {

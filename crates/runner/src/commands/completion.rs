@@ -29,6 +29,7 @@ use crate::store::map_pieces;
 use crate::store::provenance::Session;
 use crate::store::tally::Tally;
 use crate::tables::cell_columns::names_of_pair;
+use crate::tables::limits::RunLimits;
 use crate::tables::surface::Surface;
 
 /// A run with all its samples counted and its surface written.
@@ -39,16 +40,18 @@ pub struct FinishedRun {
     pub job: Job,
     /// Its verdicts.
     pub tally: Tally,
-    /// A line on its limits, if its job asks for some.
-    pub limits: Option<String>,
+    /// Its limits, if its job asks for some.
+    pub limits: Option<RunLimits>,
     /// Its probabilities, if they are integrated.
     integrated: Vec<IntegratedCell>,
+    /// The samples that check its probabilities, if there are any.
+    audits: Option<Tally>,
 }
 
 impl FinishedRun {
     /// Its result.
     pub fn surface(&self) -> Surface<'_> {
-        Surface::integrated(&self.job, &self.tally, &self.integrated)
+        Surface::integrated(&self.job, &self.tally, &self.integrated).audited(self.audits.as_ref())
     }
 }
 
@@ -137,22 +140,22 @@ pub fn compute(
         evaluator.keep_searches_by(searches.clone());
     }
     // Audits of another version are refused before a map is resolved.
-    let audits = (job.answer() == Answer::Integral).then(|| directory.audits_done(&job)).transpose()?;
+    let mut audits = (job.has_audits() && shard.is_none()).then(|| directory.audits_done(&job)).transpose()?;
     let mut outcome = prepare_maps(&engine, &mut evaluator, &directory, &tally, work, &mut session, interrupt)
         .map_err(|failure| kept(failure, &directory))?;
-    if outcome == Outcome::Finished
-        && let Some(mut audits) = audits
-    {
-        let keep = directory.create_folder(AUDITS)?;
-        outcome = engine
-            .audit(&evaluator, &mut audits, Some(&keep), interrupt)
-            .map_err(|failure| kept(failure, &directory))?;
-        if outcome == Outcome::Finished {
-            (outcome, integrated) = engine.integrate(&evaluator, &audits, interrupt)?;
-        }
-    } else if outcome == Outcome::Finished {
+    if outcome == Outcome::Finished && job.draws_samples() {
         outcome = count(&engine, &evaluator, &directory, &mut tally, shard, interrupt)
             .map_err(|failure| kept(failure, &directory))?;
+    }
+    if outcome == Outcome::Finished
+        && let Some(audits) = &mut audits
+    {
+        let keep = directory.create_folder(AUDITS)?;
+        outcome =
+            engine.audit(&evaluator, audits, Some(&keep), interrupt).map_err(|failure| kept(failure, &directory))?;
+        if outcome == Outcome::Finished && !job.draws_samples() {
+            (outcome, integrated) = engine.integrate(&evaluator, audits, interrupt)?;
+        }
     }
     let computed = u64::try_from(tally.counted() - before).unwrap_or(u64::MAX);
     let seconds = started.elapsed().as_secs_f64();
@@ -185,7 +188,7 @@ pub fn compute(
         };
         return Err(Failure::stopped(signal, &Advice::command(&kept, &how)));
     }
-    let mut run = FinishedRun { directory, job, tally, limits: None, integrated };
+    let mut run = FinishedRun { directory, job, tally, limits: None, integrated, audits };
     if shard.is_none() {
         let surface = run.surface();
         let is_new = surface.publish(&run.directory).map_err(|failure| kept(failure, &run.directory))?;
@@ -204,6 +207,27 @@ pub fn compute(
         run.limits = limits.map_err(|failure| kept(failure, &run.directory))?;
     }
     Ok(run)
+}
+
+/// The samples that check the probabilities of a run whose samples are all counted; those that are missing are drawn.
+///
+/// # Errors
+/// A signal that stops it, and files that cannot be read or written.
+pub fn complete_audits(
+    directory: &RunDirectory,
+    job: &Job,
+    engine: &Engine,
+    interrupt: &Interrupt,
+) -> Result<Option<Tally>, Failure> {
+    if job.plain_samples() == 0 {
+        return Ok(None);
+    }
+    let mut audits = directory.audits_done(job)?;
+    let keep = directory.create_folder(AUDITS)?;
+    match engine.audit(&Evaluator::new(job)?, &mut audits, Some(&keep), interrupt)? {
+        Outcome::Finished => Ok(Some(audits)),
+        Outcome::Stopped(signal) => Err(Failure::stopped(signal, &kept_and_continued(directory.path(), None))),
+    }
 }
 
 /// Completes the verdict maps that the missing samples or integrals need, or gives them up.

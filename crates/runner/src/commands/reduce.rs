@@ -2,6 +2,9 @@
 
 use std::collections::BTreeSet;
 use std::f64::consts::TAU;
+use std::fs;
+use std::io::{self, Read as _};
+use std::path::Path;
 use std::slice;
 use std::sync::Arc;
 
@@ -26,7 +29,8 @@ use crate::evaluate::remembering::Asked;
 use crate::evaluate::samples::Drawing;
 use crate::export::mat;
 use crate::failure::Failure;
-use crate::files::publish::{publish, publish_first};
+use crate::files::bounded::open_regular;
+use crate::files::publish::publish_first;
 use crate::job::reduction::Reduction;
 use crate::job::{Job, JobSource, with_full_matrices, with_reduced_matrices};
 use crate::output::{counted, note, output_file, result, shown, warn};
@@ -65,11 +69,23 @@ pub fn reduce(arguments: &ReduceArguments) -> Result<(), Failure> {
     let stem = path.file_stem().map_or_else(|| "job".into(), |stem| stem.to_string_lossy().into_owned());
     let named = out.clone().unwrap_or_else(|| format!("{stem}-{vectors}.toml").into());
     let (directory, name) = output_file(&named)?;
+    let is_there = |path: &Path| {
+        Failure::Usage(format!("{} is there already; remove it, or name another file with --out", path.display()))
+    };
     if directory.join(&name).exists() {
-        let message = format!("{} is there already; remove it, or name another file with --out", named.display());
-        return Err(Failure::Usage(message));
+        return Err(is_there(&named));
     }
     let mat_name = format!("{}.mat", name.strip_suffix(".toml").unwrap_or(&name));
+    let mat_path = named.with_file_name(&mat_name);
+    // It may be the only copy of a user's matrices. One of this program is compared in the end: a reduction that was ended
+    // between its two files goes on.
+    let is_foreign = match open_regular(&directory.join(&mat_name)) {
+        Ok(mut file) => first_bytes(&mut file, mat::OWN.len()) != mat::OWN.as_bytes(),
+        Err(error) => error.kind() != io::ErrorKind::NotFound,
+    };
+    if is_foreign {
+        return Err(is_there(&mat_path));
+    }
     let failed = |error: Error| Failure::Job(format!("{}: {error}", path.display()));
 
     let points = points(&job, model);
@@ -104,14 +120,28 @@ pub fn reduce(arguments: &ReduceArguments) -> Result<(), Failure> {
     let head: String = text.lines().map(|line| format!("# {line}\n")).collect();
     let file = path.file_name().unwrap_or_default().to_string_lossy();
     let head = format!("# The job {file}, its matrices reduced by stickslip {VERSION}:\n{head}\n");
-    publish(&directory, &mat_name, &mat)?;
-    let job_text = format!("{head}{}", with_reduced_matrices(&source.text, &mat_name, &found));
+    // Of two reductions with one name, the second finds other matrices or the job of the first.
+    let is_first = publish_first(&directory, &mat_name, &mat)?;
+    let path_of_matrices = directory.join(&mat_name);
+    if !is_first && fs::read(&path_of_matrices).map_err(|error| Failure::reading(&path_of_matrices, error))? != mat {
+        return Err(is_there(&mat_path));
+    }
+    let job_text = with_reduced_matrices(&source.text, &path_of_matrices, &found)
+        .map_err(|why| Failure::InputOutput(format!("{}: {why}", mat_path.display())))?;
+    let job_text = format!("{head}{job_text}");
     if !publish_first(&directory, &name, job_text.as_bytes())? {
         return Err(Failure::Usage(format!("{} appeared meanwhile; name another file", named.display())));
     }
     kept.forget();
     warn(found.warnings());
-    result(&format!("{text}{}\n{}\n", shown(&named), shown(&named.with_file_name(&mat_name))))
+    result(&format!("{text}{}\n{}\n", shown(&named), shown(&mat_path)))
+}
+
+/// The first bytes of a file, as many as there are.
+fn first_bytes(file: &mut fs::File, count: usize) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let read = file.take(count as u64).read_to_end(&mut bytes);
+    if read.is_ok() { bytes } else { Vec::new() }
 }
 
 /// A basis of so many degrees of freedom and at most so many vectors, which is kept.

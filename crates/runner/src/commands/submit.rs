@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use super::adoption::{RunState, adopt, adopt_as_shard, apart};
 use super::closing::report;
-use super::completion::{Work, compute, kept_and_continued, lost_tiles, map_only};
+use super::completion::{Work, complete_audits, compute, kept_and_continued, lost_tiles, map_only};
 use super::limit::{publish_limits, with_limits_of};
 use super::shard_progress::how_to_submit_missing;
 use super::sharing::require_samples_to_share;
@@ -77,12 +77,14 @@ pub fn submit(arguments: &SubmitArguments, interrupt: &Interrupt) -> Result<(), 
             let resume = format!("stickslip resume {}", quoted(&out));
             let resumed = Advice::command(&format!("all samples are kept; {FREE_SPACE}"), &resume);
             let kept = |failure: Failure| failure.with_advice(&resumed);
-            let surface = Surface::new(&job, &tally);
+            let engine = Engine::new(threads)?;
+            let audits = complete_audits(&directory, &job, &engine, interrupt)?;
+            let surface = Surface::new(&job, &tally).audited(audits.as_ref());
             if surface.publish(&directory).map_err(kept)? {
                 note(format_args!("{} was missing or differed; it is written again", directory.surface().display()));
             }
-            let limits = publish_limits(&directory, &job, &Engine::new(threads)?, interrupt).map_err(kept)?;
-            report(&directory, &job, &surface, limits.as_deref())
+            let limits = publish_limits(&directory, &job, &engine, interrupt).map_err(kept)?;
+            report(&directory, &job, &surface, limits.as_ref())
         }
         RunState::Unfinished(tally) if shard.is_none() => {
             let resume = format!("stickslip resume {}", quoted(&out));
@@ -105,7 +107,7 @@ pub fn submit(arguments: &SubmitArguments, interrupt: &Interrupt) -> Result<(), 
             let _at_work = shard.and_then(begin);
             let run = compute(directory, job, tally, &work, interrupt)?;
             match shard {
-                None => report(&run.directory, &run.job, &run.surface(), run.limits.as_deref()),
+                None => report(&run.directory, &run.job, &run.surface(), run.limits.as_ref()),
                 Some(shard) => {
                     note(format_args!(
                         "shard {shard} is done; when all are, `stickslip merge {}` writes the surface",
@@ -133,7 +135,7 @@ pub fn resume(arguments: &ResumeArguments, interrupt: &Interrupt) -> Result<(), 
     let threads = arguments.threads.count();
     let work = Work { threads, shard: None, maps, is_map_only: false, command: "resume" };
     let run = compute(directory, job, tally, &work, interrupt)?;
-    report(&run.directory, &run.job, &run.surface(), run.limits.as_deref())
+    report(&run.directory, &run.job, &run.surface(), run.limits.as_ref())
 }
 
 /// The shard that an option names.
@@ -228,13 +230,15 @@ pub fn merge(arguments: &MergeArguments, interrupt: &Interrupt) -> Result<(), Fa
     }
     directory.tidy()?;
     let session = Session::start("merge", 1);
-    let surface = Surface::new(&job, &tally);
+    let engine = Engine::new(1)?;
+    let audits = complete_audits(&directory, &job, &engine, interrupt)?;
+    let surface = Surface::new(&job, &tally).audited(audits.as_ref());
     let kept = |failure: Failure| {
         let merge = format!("stickslip merge {}", quoted(&arguments.run));
         failure.with_advice(&Advice::command(&format!("all samples are kept; {FREE_SPACE}"), &merge))
     };
     surface.publish(&directory).map_err(kept)?;
     session.record(&directory, "finished", 0).map_err(kept)?;
-    let limits = publish_limits(&directory, &job, &Engine::new(1)?, interrupt).map_err(kept)?;
-    report(&directory, &job, &surface, limits.as_deref())
+    let limits = publish_limits(&directory, &job, &engine, interrupt).map_err(kept)?;
+    report(&directory, &job, &surface, limits.as_ref())
 }

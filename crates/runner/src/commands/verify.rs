@@ -230,10 +230,13 @@ impl Check<'_> {
             let mut maps = Maps::new(job);
             directory.maps()?.map(|folder| map_pieces::load(&mut maps, &folder)).transpose()?;
             (tiles, needed) = (maps.missing().len(), maps.needed());
-            let audits = Parts::of_audits(job);
-            if audits.all_units() > 0 && !audits.are_complete(&directory.audits_done(job)?) {
-                self.add(AUDITS, "some of the audited samples are lost");
-            }
+        }
+        let audits = Parts::of_audits(job);
+        if audits.all_units() > 0
+            && directory.has_surface_of(job)?
+            && !audits.are_complete(&directory.audits_done(job)?)
+        {
+            self.add(AUDITS, "some of the audited samples are lost");
         }
         if tiles > 0 {
             let [tiles, needed] = [tiles, needed].map(|tiles| HumanCount(tiles as u64));
@@ -261,7 +264,8 @@ impl Check<'_> {
         let tally = directory.tally(job)?;
         let complete = Parts::new(job).complete_cells(&tally);
         if complete == job.cells() {
-            let surface = Surface::new(job, &tally);
+            let audits = (job.plain_samples() > 0).then(|| directory.audits_done(job)).transpose()?;
+            let surface = Surface::new(job, &tally).audited(audits.as_ref());
             if surface.is_published(directory)? {
                 self.find(SURFACE, State::Sound, "sound, the same bytes as the pieces give");
                 return Ok(());

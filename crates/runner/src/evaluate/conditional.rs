@@ -133,7 +133,8 @@ impl<'a> ConditionalCell<'a> {
     }
 
     /// The probability of instability given the independent deviates of the other inputs, followed by zeros for what is
-    /// integrated over; all are replaced. `None` if a value is not admissible.
+    /// integrated over; all are replaced. `None` if a value is not admissible, or
+    /// if critical values leave too much open.
     pub(super) fn probability(&self, deviates: &mut [f64]) -> Option<f64> {
         let Conditional { others, correlation, .. } = self.conditional;
         let free = deviates[..others.len()].to_vec();
@@ -148,9 +149,10 @@ impl<'a> ConditionalCell<'a> {
             Integrated::One(input) => {
                 let law = correlation.law_of_last(&free);
                 let values: Vec<f64> = iter::once(input.value(0.0)).chain(drawn).collect();
-                let within = one_input::reach(input, law);
-                let unstable = self.configuration.critical_values()?.unstable(&values, 0, within, &NoMemory)?;
-                one_input::probability(input, law, &unstable).value
+                let places = one_input::places(&[(input.clone(), law)]);
+                let unstable = self.configuration.critical_values()?.unstable(&values, 0, &places, &NoMemory)?;
+                let found = one_input::probability(input, law, &unstable);
+                found.is_resolved().then_some(found.value)?
             }
         };
         deviates[others.len()..].fill(0.0);

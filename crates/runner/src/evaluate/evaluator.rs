@@ -381,11 +381,22 @@ impl<'a> Evaluator<'a> {
         configuration.outside(&Columns::new(samples.len(), &samples.columns()))
     }
 
-    /// Limit states of samples of a cell, where their model has them.
-    fn limit_states(&self, cell: &Cell, samples: &Samples) -> Option<Vec<f64>> {
+    /// How many further limit states samples of a cell have.
+    fn limit_branches(&self, cell: &Cell) -> usize {
+        let configuration = self.criteria.configuration(self.job, self.job.grid.configuration_index(cell.index));
+        configuration.map_or(0, |configuration| configuration.limit_branches())
+    }
+
+    /// Limit states of samples of a cell, where their model has them: those of the whole, or of a branch.
+    fn limit_states(&self, cell: &Cell, samples: &Samples, branch: Option<usize>) -> Option<Vec<f64>> {
         let configuration = self.criteria.configuration(self.job, self.job.grid.configuration_index(cell.index))?;
         let within = self.within(cell, samples);
-        configuration.limit_states(&Columns::new(within.len(), &within.columns()))
+        let columns = within.columns();
+        let columns = Columns::new(within.len(), &columns);
+        match branch {
+            None => configuration.limit_states(&columns),
+            Some(branch) => configuration.limit_branch(branch, &columns),
+        }
     }
 
     /// The samples that are decided: those outside the model are clamped if the job says so.
@@ -474,12 +485,14 @@ struct DecidedIntegrand<'a> {
     cell: &'a Cell,
     is_stopped: IsStopped<'a>,
     drawing: Drawing<'a>,
+    /// Which limit state is asked for, of several.
+    branch: Option<usize>,
 }
 
 impl<'a> DecidedIntegrand<'a> {
     fn new(evaluator: &'a Evaluator<'a>, cell: &'a Cell, is_stopped: IsStopped<'a>) -> Self {
         let drawing = evaluator.draw(cell, 0, &(0..0), Points::Random);
-        Self { evaluator, cell, is_stopped, drawing }
+        Self { evaluator, cell, is_stopped, drawing, branch: None }
     }
 }
 
@@ -497,7 +510,15 @@ impl Integrand for DecidedIntegrand<'_> {
 
     fn limit_states(&mut self, points: &DeviatePoints, _: &[Option<f64>]) -> Option<Vec<f64>> {
         let samples = self.drawing.of_deviates(points.iter());
-        self.evaluator.limit_states(self.cell, samples)
+        self.evaluator.limit_states(self.cell, samples, self.branch)
+    }
+
+    fn branches(&mut self) -> usize {
+        self.evaluator.limit_branches(self.cell)
+    }
+
+    fn select(&mut self, branch: Option<usize>) {
+        self.branch = branch;
     }
 }
 

@@ -12,12 +12,13 @@ use stickslip_sampler::limits::spans::{OutsidePhysics as Outside, Sample, Spans}
 use stickslip_sampler::limits::sweep::{SortedSweep, Sweep};
 
 use crate::evaluate::evaluator::Evaluator;
+use crate::evaluate::limits_found::{Beside, CombinationLimits, Ended};
 use crate::evaluate::open_cell::{Open, OpenCell};
 use crate::evaluate::randomised;
 use crate::evaluate::remembered_intervals::RememberedIntervals;
 use crate::evaluate::remembering::{Asked, Keeper};
 use crate::evaluate::unstable_values::UnstableValuesOfInput;
-use crate::evaluate::weighted_limits::{CombinationLimits, Ended, WeightedSearch};
+use crate::evaluate::weighted_limits::WeightedSearch;
 use crate::job::{Effort, Job, LimitAxis, LimitMethod, OutsidePhysics};
 use stickslip_core::model::IsStopped;
 
@@ -73,6 +74,13 @@ impl<'a> LimitSearch<'a> {
     /// # Errors
     /// See [`Ended`].
     pub fn limits(&self, cell: u64, targets: &[f64], is_stopped: IsStopped<'_>) -> Result<CombinationLimits, Ended> {
+        let mut found = self.found(cell, targets, is_stopped)?;
+        found.audit((self.job, self.axis, cell), &Asked::new(self.keeper, (cell, 1)), is_stopped)?;
+        Ok(found)
+    }
+
+    /// The limits without plain samples.
+    fn found(&self, cell: u64, targets: &[f64], is_stopped: IsStopped<'_>) -> Result<CombinationLimits, Ended> {
         let go_on = || if is_stopped() { Err(Ended::Stopped) } else { Ok(()) };
         let asked = Asked::new(self.keeper, (cell, 0));
         match self.method {
@@ -142,7 +150,8 @@ impl<'a> LimitSearch<'a> {
         values.dedup();
         let scan = Scan::new(&values, tolerance, &estimate)?;
         let limits = |&target: &f64| scan.limits(target, &estimate);
-        Ok(CombinationLimits { ends: scan.ends(), of_targets: targets.iter().map(limits).collect::<Result<_, _>>()? })
+        let of_targets = targets.iter().map(limits).collect::<Result<_, _>>()?;
+        CombinationLimits::new(&scan, of_targets, estimate)
     }
 
     /// The limits from the critical values of all samples.
@@ -158,8 +167,11 @@ impl<'a> LimitSearch<'a> {
         let sweeps = evaluator.sweeps(cell, varied, self.axis.range(), is_stopped).ok_or(Ended::Stopped)?;
         if let ([sweep], Effort::Samples(_)) = (&sweeps[..], &job.sampling.effort) {
             let interval = job.interval(self.confidence);
-            let of_targets = targets.iter().map(|&target| sweep.limits(target, &interval)).collect();
-            return Ok(CombinationLimits { ends: sweep.ends(), of_targets });
+            let unaudited = |limit| (limit, None);
+            let limits = |&target: &f64| sweep.limits(target, &interval).into_iter().map(unaudited).collect();
+            let ([from, to], [first, last]) = (self.axis.range(), sweep.ends());
+            let ends = [Beside::unchecked(from, first), Beside::unchecked(to, last)];
+            return Ok(CombinationLimits { ends, of_targets: targets.iter().map(limits).collect() });
         }
         let sweeps = GroupedSweeps::new(&sweeps);
         let inputs = job.random.inputs.len();

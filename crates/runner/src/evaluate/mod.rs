@@ -35,6 +35,8 @@ pub mod open_cell;
 
 pub mod randomised;
 
+pub mod limits_found;
+
 pub mod weighted_limits;
 
 pub mod limits;

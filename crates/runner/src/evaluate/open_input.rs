@@ -10,14 +10,18 @@ use crate::evaluate::open_cell::Open;
 use crate::evaluate::unstable_values::UnstableValuesOfInput;
 use crate::job::Job;
 
+/// Values of what is open whose distributions say where searches begin: of one that is open alone, of each of several.
+const MANY: usize = 65;
+const FEW: usize = 9;
+
 /// A cell of a job with one random input.
 pub struct OpenInput<'a> {
     job: &'a Job,
     cell: Cell,
     /// The quantity that scatters.
     place: usize,
-    /// Its distributions lie within this whatever is open.
-    reach: [f64; 2],
+    /// Where searches begin, whatever is open.
+    places: Vec<f64>,
     unstable: UnstableValuesOfInput,
 }
 
@@ -25,16 +29,16 @@ impl<'a> OpenInput<'a> {
     /// A cell whose quantity at `place` scatters, of which some is open, between these ends.
     pub fn new(job: &'a Job, cell: u64, place: usize, open: &[Open], ends: &[[f64; 2]]) -> Self {
         let cell = job.grid.cell(cell);
-        let reach = [f64::INFINITY, f64::NEG_INFINITY];
-        let mut own = Self { job, cell, place, reach, unstable: UnstableValuesOfInput::default() };
-        // A distribution reaches farthest where its expected value and its standard deviation have their ends.
-        for corner in 0..1_usize << ends.len() {
-            let at: Vec<f64> = ends.iter().enumerate().map(|(i, ends)| ends[corner >> i & 1]).collect();
-            if let Some(distribution) = own.distribution(&own.with(open, &at), open, &at) {
-                let [low, high] = one_input::reach(&distribution, DeviateLaw::INDEPENDENT);
-                own.reach = [own.reach[0].min(low), own.reach[1].max(high)];
-            }
+        let mut own = Self { job, cell, place, places: Vec::new(), unstable: UnstableValuesOfInput::default() };
+        // Between the ends, so many values that distributions about neighbouring ones overlap or nearly so.
+        let values = if ends.len() > 1 { FEW } else { MANY };
+        let mut inputs = Vec::new();
+        for number in 0..values.pow(u32::try_from(ends.len()).unwrap_or(0)) {
+            let share = |i: usize| (number / values.pow(i as u32) % values) as f64 / (values - 1) as f64;
+            let at: Vec<f64> = ends.iter().enumerate().map(|(i, [low, high])| low + (high - low) * share(i)).collect();
+            inputs.extend(own.distribution(&own.with(open, &at), open, &at).map(|own| (own, DeviateLaw::INDEPENDENT)));
         }
+        own.places = one_input::places(&inputs);
         own
     }
 
@@ -43,11 +47,14 @@ impl<'a> OpenInput<'a> {
         self.place
     }
 
-    /// The probability with these values of what is open; `None` if critical values cannot be found, or `memory` ends the search.
+    /// The probability with these values of what is open; `None` if critical values cannot be found or leave
+    /// too much open, or `memory` ends the search.
     pub fn probability(&self, open: &[Open], values: &[f64], memory: &dyn Memory) -> Option<ExactProbability> {
         let cell = self.with(open, values);
         let distribution = self.distribution(&cell, open, values)?;
-        self.unstable.with_distribution(self.job, &cell, self.place, &distribution, || self.reach, memory)
+        let places = || self.places.clone();
+        let found = self.unstable.with_distribution(self.job, &cell, self.place, &distribution, places, memory);
+        found.filter(ExactProbability::is_resolved)
     }
 
     /// The cell with these values of what is open.

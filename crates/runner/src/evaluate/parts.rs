@@ -36,13 +36,16 @@ impl Parts {
         Self { cells: job.cells(), samples: job.sampling.parts(), unit_samples: job.unit_samples(), looks }
     }
 
-    /// The audits of a job that integrates: one part in each cell, of the samples that check the cell's integral.
+    /// The audits of a job: one part in each cell, of the samples that check its integral over a map, or of the plain samples
+    /// beside its probability.
     pub fn of_audits(job: &Job) -> Self {
         let samples = match job.sampling.audit {
             Audit::Samples(samples) if job.map_use() == MapUse::Integrate => samples,
-            _ => 0,
+            _ => job.plain_samples(),
         };
-        Self { cells: job.cells(), samples: vec![samples], unit_samples: BLOCK_SAMPLES, looks: None }
+        let are_slow = job.plain_samples() > 0 && job.model().has_very_slow_samples();
+        let unit_samples = if are_slow { 1 } else { BLOCK_SAMPLES };
+        Self { cells: job.cells(), samples: vec![samples], unit_samples, looks: None }
     }
 
     /// The parts of a job that has one in each cell.

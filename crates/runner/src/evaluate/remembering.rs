@@ -234,6 +234,14 @@ impl<'a> Remembering<'a> {
 }
 
 impl Integrand for Remembering<'_> {
+    fn branches(&mut self) -> usize {
+        self.integrand.branches()
+    }
+
+    fn select(&mut self, branch: Option<usize>) {
+        self.integrand.select(branch);
+    }
+
     fn values(&mut self, points: &Points) -> Option<Vec<Option<f64>>> {
         let mut answers = Vec::with_capacity(points.len());
         let without = |value: Option<f64>| value.unwrap_or(f64::NAN);

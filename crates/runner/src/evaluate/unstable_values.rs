@@ -28,12 +28,12 @@ pub struct UnstableValuesOfInput {
 impl UnstableValuesOfInput {
     /// The probability of instability in a cell of a job over the input that is the quantity at `place`, which alone scatters.
     /// Its expected value may be any within its axis. Nothing is known if its critical values cannot be found, or if `memory`
-    /// ends the search.
+    /// ends the search; between two bounds that are far apart there is no probability.
     pub fn estimate(&self, job: &Job, cell: &Cell, place: usize, memory: &dyn Memory) -> Estimate {
         match self.probability(job, cell, place, memory) {
             Some(found) => {
                 let [low, high] = found.bounds();
-                Estimate { probability: Some(found.value), low, high }
+                Estimate { probability: found.is_resolved().then_some(found.value), low, high }
             }
             None => Estimate { probability: None, low: 0.0, high: 1.0 },
         }
@@ -42,10 +42,11 @@ impl UnstableValuesOfInput {
     fn probability(&self, job: &Job, cell: &Cell, place: usize, memory: &dyn Memory) -> Option<ExactProbability> {
         let position = job.random.position(place)?;
         let distribution = job.distribution(position, cell);
-        self.with_distribution(job, cell, place, &distribution, || reach(job, position), memory)
+        self.with_distribution(job, cell, place, &distribution, || places(job, position), memory)
     }
 
-    /// The probability over the input with this distribution. All distributions that are asked for lie within the reach.
+    /// The probability over the input with this distribution. All distributions that are asked for lie within the places at
+    /// which the search begins.
     /// The search for these values of the other quantities is made once, with `memory`; one memory may serve several in a row.
     pub fn with_distribution(
         &self,
@@ -53,7 +54,7 @@ impl UnstableValuesOfInput {
         cell: &Cell,
         place: usize,
         distribution: &InputDistribution,
-        reach: impl FnOnce() -> [f64; 2],
+        places: impl FnOnce() -> Vec<f64>,
         memory: &dyn Memory,
     ) -> Option<ExactProbability> {
         let mut expected = cell.expected.clone();
@@ -62,23 +63,22 @@ impl UnstableValuesOfInput {
         let found = self.found.lock().unwrap_or_else(PoisonError::into_inner).entry(key).or_default().clone();
         let unstable = found.get_or_init(|| {
             let configuration = job.model().configure(&cell.expected, &[place], None).ok()?;
-            configuration.critical_values()?.unstable(&[cell.expected[place]], 0, reach(), memory)
+            configuration.critical_values()?.unstable(&[cell.expected[place]], 0, &places(), memory)
         });
         Some(one_input::probability(distribution, DeviateLaw::INDEPENDENT, unstable.as_ref()?))
     }
 }
 
-/// The reach of an input in all cells: with each of its expected values and standard deviations.
-fn reach(job: &Job, position: usize) -> [f64; 2] {
+/// Where a search begins for all cells: with each of the input's expected values and standard deviations.
+fn places(job: &Job, position: usize) -> Vec<f64> {
     let place = job.random.inputs[position];
     let mut cell = job.grid.cell(0);
-    let mut all = [f64::INFINITY, f64::NEG_INFINITY];
+    let mut all = Vec::new();
     for scatter in 0..job.random.relative_stds.len() {
         for value in job.grid.values_of(place) {
             (cell.expected[place], cell.scatter) = (value, scatter);
-            let [low, high] = one_input::reach(&job.distribution(position, &cell), DeviateLaw::INDEPENDENT);
-            all = [all[0].min(low), all[1].max(high)];
+            all.push((job.distribution(position, &cell), DeviateLaw::INDEPENDENT));
         }
     }
-    all
+    one_input::places(&all)
 }

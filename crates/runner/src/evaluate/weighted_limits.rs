@@ -4,38 +4,18 @@
 //! the samples are then placed once. The probability is a smooth function of the value there, so that its interval
 //! bounds the limit.
 
-use stickslip_core::model::ModelError;
 use stickslip_sampler::estimate::interval::Estimate;
 use stickslip_sampler::estimate::weighted::Distrust;
 use stickslip_sampler::limits::Limit;
 use stickslip_sampler::limits::scan::Scan;
 
 use crate::evaluate::evaluator::Evaluator;
+use crate::evaluate::limits_found::{CombinationLimits, Ended};
 use crate::evaluate::randomised;
 use crate::evaluate::remembering::Asked;
 use crate::failure::Failure;
 use crate::job::{Job, LimitAxis};
 use stickslip_core::model::IsStopped;
-
-/// What ends a search.
-#[derive(Debug)]
-pub enum Ended {
-    /// It was stopped.
-    Stopped,
-    /// There is no configuration with this value of the axis.
-    NoSuchConfiguration(f64, ModelError),
-    /// The samples cannot be evaluated.
-    Failed(Failure),
-}
-
-/// The limits of one combination.
-#[derive(Debug, Clone)]
-pub struct CombinationLimits {
-    /// The probabilities at the smallest and the largest value of the axis.
-    pub ends: [Option<f64>; 2],
-    /// The limits at each target.
-    pub of_targets: Vec<Vec<Limit>>,
-}
 
 /// Where an estimate is below this part of all targets, it need not be precise.
 const FAR_BELOW: f64 = 1e-3;
@@ -92,7 +72,7 @@ impl WeightedSearch<'_, '_> {
             }
             of_targets.push(limits);
         }
-        Ok(CombinationLimits { ends: scan.ends(), of_targets })
+        CombinationLimits::new(&scan, of_targets, estimate)
     }
 
     /// Locates a limit with samples that are placed once.
@@ -154,7 +134,12 @@ impl WeightedSearch<'_, '_> {
     ) -> Result<Estimate, Ended> {
         let parts = evaluator.count_cell(self.cell, asked, is_stopped).ok_or(Ended::Stopped)?;
         match randomised::of_weights(job, &parts, self.confidence) {
-            Some(found) if matches!(found.distrust, None | Some(Distrust::NothingFound)) => Ok(found.estimate),
+            Some(found) if found.distrust.is_none() => Ok(found.estimate),
+            // Nothing stable: the probability is 1 as far as a limit is concerned. Without one it counts as 0.
+            Some(found) if found.distrust == Some(Distrust::NothingFound) => {
+                let probability = (found.mean > 0.5).then_some(found.mean);
+                Ok(Estimate { probability, ..found.estimate })
+            }
             // Far below all targets its digits do not matter; a population that found more has at most four times the mean.
             Some(found) if targets.iter().all(|target| found.mean < FAR_BELOW * target) => {
                 Ok(Estimate { probability: Some(found.mean), ..found.estimate })

@@ -38,7 +38,7 @@ impl Evaluator<'_> {
         }
     }
 
-    /// Audits the maps behind integrals, like [`Evaluator::work`]: a part is a cell.
+    /// Audits the maps behind integrals, or draws plain samples, like [`Evaluator::work`]: a part is a cell.
     pub fn work_on_audits(
         &self,
         next: &dyn Fn() -> Option<(u64, Range<u64>)>,

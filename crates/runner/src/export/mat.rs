@@ -55,10 +55,13 @@ pub fn write_matrices(matrices: &[(String, &DMatrix<f64>)], out: &mut dyn Write)
     Ok(())
 }
 
+/// With what files of this program begin.
+pub const OWN: &str = "MATLAB 5.0 MAT-file, written by stickslip ";
+
 /// The header.
 fn head(out: &mut dyn Write) -> io::Result<()> {
     // Spaces fill the text up to 116 bytes; 8 bytes of zeros say that there are no data of subsystems.
-    let text = format!("MATLAB 5.0 MAT-file, written by stickslip {VERSION}");
+    let text = format!("{OWN}{VERSION}");
     out.write_all(format!("{text:<116.116}").as_bytes())?;
     out.write_all(&[0; 8])?;
     // Version 1.0, and the mark by which a reader knows the order of bytes: little end first.

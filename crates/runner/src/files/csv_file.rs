@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 use csv::{ErrorKind, Reader, ReaderBuilder, StringRecord, Trim};
 
-use super::bounded::read_file;
+use super::bounded::{open_regular, read};
 use crate::shell::shown;
 
 /// Largest file, in bytes. It may have many columns of which one is read.
@@ -60,7 +60,8 @@ pub struct Row {
 /// # Errors
 /// That it cannot be read.
 pub fn read_csv(path: &Path) -> Result<Vec<u8>, String> {
-    read_file(path, LARGEST).map_err(|error| format!("cannot read {}: {error}", shown(path)))
+    let bytes = open_regular(path).and_then(|mut file| read(&mut file, LARGEST));
+    bytes.map_err(|error| format!("cannot read {}: {error}", shown(path)))
 }
 
 fn reader(bytes: &[u8], separator: u8) -> Reader<&[u8]> {

@@ -172,6 +172,12 @@ pub trait Method: Debug + Send + Sync {
 }
 
 impl dyn Method + '_ {
+    /// Whether its probabilities may be checked by plain samples: they come neither from such nor from a verdict map, whose
+    /// samples are looked up.
+    pub fn has_plain_samples(&self) -> bool {
+        self.answer() != Answer::Verdict && self.map_use() == MapUse::Nothing
+    }
+
     /// Whether a key of `[sampling]` has a meaning with it.
     pub fn takes(&self, key: Key) -> bool {
         self.keys().contains(&key)
@@ -239,6 +245,11 @@ impl Sampling {
             (IntervalKind::Wilson, None) if !self.simultaneous => IntervalKind::Wilson,
             _ => IntervalKind::ClopperPearson,
         }
+    }
+
+    /// Whether plain samples are drawn beside each probability, as it does not come from such.
+    pub fn has_plain_samples(&self) -> bool {
+        self.method.has_plain_samples() && !self.audit.is_nothing()
     }
 
     /// Parts of a cell that are counted apart: how many samples each has at most.

@@ -86,6 +86,7 @@ pub use imprecise::{Combination, ImpreciseJob, ImpreciseQuantity};
 pub use imprecise_values::{Values, What};
 pub use limit::LimitMethod;
 pub use limit_axis::LimitAxis;
+pub use limit_request::LimitRequest;
 pub use method::{Answer, Computed, MapUse, Sampling};
 pub use model::OutsidePhysics;
 pub use models::matrices::terms::{with_full_matrices, with_reduced_matrices};

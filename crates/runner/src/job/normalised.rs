@@ -103,8 +103,8 @@ impl From<&Sampling> for SamplingSpec {
             at_most: Some(sampling.samples),
         });
         let takes = |key: Key| sampling.method.takes(key);
-        // What is integrated over a map is audited with samples.
-        let draws = sampling.samples > 0 || sampling.is_audited;
+        // What is integrated is audited with samples.
+        let draws = sampling.samples > 0 || sampling.is_audited || sampling.has_plain_samples();
         let has_audit = sampling.is_audited || sampling.evaluate == EvaluateMode::Boundary || sampling.audit != AUDIT;
         let interval = sampling.interval.filter(|interval| *interval != IntervalSpec::Wilson);
         let if_true = |value: bool| value.then(|| written(true));
@@ -113,7 +113,7 @@ impl From<&Sampling> for SamplingSpec {
             samples: samples.filter(|_| takes(Key::Samples)).map(written),
             seed: draws.then(|| written(sampling.seed)),
             evaluate: takes(Key::Evaluate).then(|| written(sampling.evaluate)),
-            common_random_numbers: takes(Key::CommonRandomNumbers).then_some(sampling.common_random_numbers),
+            common_random_numbers: takes(Key::CommonRandomNumbers).then(|| written(sampling.common_random_numbers)),
             confidence: (draws && takes(Key::Confidence)).then(|| written(sampling.confidence)),
             audit: has_audit.then(|| written(sampling.audit)),
             randomisations: randomisations.map(written),

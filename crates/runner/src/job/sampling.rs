@@ -12,7 +12,7 @@ use super::methods::{Chosen, method};
 use super::model::{Boundary, JobModel};
 use super::needs::{Asked, Need};
 use super::random::RandomInputSet;
-use super::sampling_key::{Key, is_true};
+use super::sampling_key::is_true;
 use super::sampling_numbers::Effort;
 use super::sampling_spec::{AUDIT, Audit, EvaluateMode, SamplingSpec};
 
@@ -131,9 +131,7 @@ impl SamplingSpec {
             evaluate: self.evaluate_mode(),
             audit,
             particles: method.particles().map(|default| self.checked_particles(default)).transpose()?,
-            // A key without a meaning must not change the audit of a map: it is not part of the job's identity.
-            common_random_numbers: method.takes(Key::CommonRandomNumbers)
-                && self.common_random_numbers.unwrap_or_default(),
+            common_random_numbers: is_true(&self.common_random_numbers),
             confidence,
             interval: self.interval.as_ref().map(|interval| *interval.get_ref()),
             simultaneous: self.is_simultaneous(),

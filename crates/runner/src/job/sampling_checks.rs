@@ -147,8 +147,8 @@ impl SamplingSpec {
             Audit::Samples(1) => complain(
                 "sampling.audit = 1 is one sample of each cell, which says nothing; write audit = 1.0 for all samples, or a larger number".to_owned(),
             ),
-            Audit::Share(share) if method.answer() == Answer::Integral => complain(format!(
-                "sampling.audit = {share} is a share of samples, and method = \"exact\" draws none but those of the audit: give their number in each cell, for example audit = 1000"
+            Audit::Share(share) if method.answer() != Answer::Verdict => complain(format!(
+                "sampling.audit = {share} is a share of samples, and here the audit has samples of its own: give their number in each cell, for example audit = 1000"
             )),
             Audit::Samples(samples) if samples > MOST_AUDITED => {
                 complain(format!("sampling.audit = {samples} is out of range: it must be at most {MOST_AUDITED}"))

@@ -65,7 +65,7 @@ impl Key {
             Self::Audit => ("audit", span(&spec.audit)),
             Self::Randomisations => ("randomisations", span(&spec.randomisations)),
             Self::Particles => ("particles", span(&spec.particles)),
-            Self::CommonRandomNumbers => ("common_random_numbers", None),
+            Self::CommonRandomNumbers => ("common_random_numbers", wanted(&spec.common_random_numbers)),
             Self::Confidence => ("confidence", span(&spec.confidence)),
             Self::Interval => ("interval", span(&spec.interval)),
             Self::Simultaneous => ("simultaneous", span(&spec.simultaneous)),

@@ -29,13 +29,15 @@ pub struct SamplingSpec {
     #[schemars(with = "Option<EvaluateMode>", extend("default" = EvaluateMode::default()))]
     pub evaluate: Option<Spanned<EvaluateMode>>,
     /// Whether all cells draw the same deviates, so that differences between cells are less noisy.
-    #[schemars(extend("default" = false))]
-    pub common_random_numbers: Option<bool>,
+    #[schemars(with = "Option<bool>", extend("default" = false))]
+    pub common_random_numbers: Option<Spanned<bool>>,
     /// Confidence of the interval `p_low` to `p_high`.
     #[schemars(with = "Option<f64>", extend("default" = 0.95, "exclusiveMinimum" = 0, "exclusiveMaximum" = 1))]
     pub confidence: Option<Spanned<f64>>,
-    /// With a verdict map: how many looked-up samples of each cell are simulated as a check, 0 or from 2 to 1e8; or,
-    /// with `evaluate = "boundary"`, which share of them, from 0.0 to 1.0.
+    /// How many samples of each cell check its probability where that does not come from plain samples, 0 or from 2 to 1e8:
+    /// with a verdict map, looked-up samples that are simulated as well, or, with `evaluate = "boundary"`, which share of
+    /// them, from 0.0 to 1.0; else plain samples beside the probability (16 by default where a sample takes more than some
+    /// 10 ms).
     #[schemars(with = "Option<Audit>", extend("default" = AUDIT))]
     pub audit: Option<Spanned<Audit>>,
     /// With `"sobol"`, `"conditional"` and `"importance"`: independent randomisations that share the samples, with

@@ -24,6 +24,12 @@ pub fn errors(text: &str, mut errors: Vec<Error>) -> Vec<Complaint> {
             continue;
         }
         let line = text.get(line_start..).and_then(|rest| rest.lines().next()).unwrap_or("");
+        // Beside such a number a list looks like one with decimal commas.
+        if let Some((place, right)) = point_without_digit(line) {
+            let message = format!("{} lacks a digit beside its point; write {right}", &line[place.clone()]);
+            complaints.push(Complaint::at(line_start + place.start..line_start + place.end, message));
+            continue;
+        }
         let commas = decimal_commas(line);
         for place in &commas {
             let number = &line[place.clone()];
@@ -89,6 +95,39 @@ fn in_words(line: &str) -> Option<String> {
         .then(|| format!("{value} is no value: a text is written in quotes, \"{value}\""))
 }
 
+/// Characters of a number to each side of its point, at most: a line may be long.
+const LONGEST: usize = 40;
+
+/// The first number outside strings and comments that begins or ends with its point, and how it is right.
+fn point_without_digit(line: &str) -> Option<(Range<usize>, String)> {
+    let mut quote = None;
+    let bytes = line.as_bytes();
+    let digit = |place: Option<usize>| place.and_then(|place| bytes.get(place)).is_some_and(u8::is_ascii_digit);
+    let word = |byte: &u8| byte.is_ascii_alphanumeric() || matches!(byte, b'.' | b'_' | b'-' | b'+' | b'"' | b'\'');
+    for (i, &byte) in bytes.iter().enumerate() {
+        match (quote, byte) {
+            (None, b'#') => return None,
+            (None, b'"' | b'\'') => quote = Some(byte),
+            (Some(open), _) if open == byte => quote = None,
+            (None, b'.') => {
+                let from = i - bytes[..i].iter().rev().take(LONGEST).take_while(|byte| word(byte)).count();
+                let to = i + bytes[i..].iter().take(LONGEST).take_while(|byte| word(byte)).count();
+                let (before, after) = (digit(i.checked_sub(1)), digit(Some(i + 1)));
+                let right = match (before, after) {
+                    (false, true) => format!("{}0{}", &line[from..i], &line[i..to]),
+                    (true, false) => format!("{}.0{}", &line[from..i], &line[i + 1..to]),
+                    _ => continue,
+                };
+                if right.parse::<f64>().is_ok() {
+                    return Some((from..to, right));
+                }
+            }
+            _ => {}
+        }
+    }
+    None
+}
+
 /// The numbers with a comma between their digits, outside strings and comments.
 fn decimal_commas(line: &str) -> Vec<Range<usize>> {
     let bytes = line.as_bytes();
@@ -110,4 +149,25 @@ fn decimal_commas(line: &str) -> Vec<Range<usize>> {
         }
     }
     found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_that_begin_or_end_with_their_point_are_found() {
+        for (line, number, right) in [
+            ("damping = [[0.2,0],[0,.1]]", ".1", "0.1"),
+            ("k = -.5e3 # .7", "-.5e3", "-0.5e3"),
+            ("k = 2.", "2.", "2.0"),
+            ("k = [1., 2.0]", "1.", "1.0"),
+        ] {
+            let (place, found) = point_without_digit(line).unwrap();
+            assert_eq!((&line[place], &*found), (number, right), "{line}");
+        }
+        for line in ["k = 2,0", "a.b = 1.0", "name = \".5\"", "# .5", "1.a = 2", "k = 1.5.2", "pad.mass = 2"] {
+            assert_eq!(point_without_digit(line), None, "{line}");
+        }
+    }
 }

@@ -21,8 +21,11 @@ use super::model::{JobModel, OutsidePhysics};
 use super::random::RandomInputSet;
 use super::reduction::Reduction;
 use super::sampling_numbers::Effort;
-use super::sampling_spec::Audit;
+use super::sampling_spec::{AUDIT, Audit};
 use crate::failure::Failure;
+
+/// Plain samples beside a probability where a sample takes long.
+const FEW_PLAIN_SAMPLES: u64 = 16;
 
 /// Largest number of verdict maps.
 pub const MOST_MAPS: usize = 1000;
@@ -167,6 +170,21 @@ impl Job {
             Audit::Samples(samples) => u128::from(self.cells()) * u128::from(samples.min(self.sampling.samples)),
             Audit::Share(share) => (share * self.total_samples() as f64) as u128,
         }
+    }
+
+    /// Plain samples of each cell beside its probability, where that does not come from such.
+    pub fn plain_samples(&self) -> u64 {
+        match self.sampling.audit {
+            Audit::Samples(_) | Audit::Share(_) if !self.sampling.has_plain_samples() => 0,
+            AUDIT if self.model().has_very_slow_samples() => FEW_PLAIN_SAMPLES,
+            Audit::Samples(samples) => samples,
+            Audit::Share(_) => 0,
+        }
+    }
+
+    /// Whether probabilities are checked by samples that are kept apart.
+    pub fn has_audits(&self) -> bool {
+        self.answer() == Answer::Integral || self.plain_samples() > 0
     }
 
     /// What the deviates are drawn from.

@@ -54,7 +54,11 @@ pub fn read(source: &mut Source) -> Result<ReadMatrix, Problem> {
             continue;
         }
         if read == count {
-            return Err(Problem::at(line, format!("there are more than the {count} entries of the header")));
+            let why = match symmetry {
+                Symmetry::Skew if is_array => "; a skew-symmetric array is stored without its diagonal, which is zero",
+                _ => "",
+            };
+            return Err(Problem::at(line, format!("there are more than the {count} entries of the header{why}")));
         }
         let fields: Vec<&str> = words(text).take(4).collect();
         match fields[..] {

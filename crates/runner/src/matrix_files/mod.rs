@@ -136,6 +136,11 @@ fn recognised(source: &mut Source) -> Result<Format, Problem> {
     if head.is_empty() {
         return Err(Problem::new("the file is empty"));
     }
+    if head.starts_with(b"\xef\xbb\xbf") {
+        return Err(Problem::new(
+            "the file begins with a byte order mark, which programs for texts write; save it as UTF-8 without one",
+        ));
+    }
     if starts("%%MatrixMarket") {
         return Ok(Format::MatrixMarket);
     }

@@ -1,7 +1,7 @@
 //! A file of matrices that is read, and what of it a reader wants.
 
-use std::fs::File;
-use std::io::{Read as _, Seek as _, SeekFrom};
+use std::fs::{self, File};
+use std::io::{self, Read as _, Seek as _, SeekFrom};
 use std::path::{Path, PathBuf};
 
 use super::error::{Problem, listed, quoted};
@@ -22,11 +22,13 @@ impl Source {
     /// # Errors
     /// A file that cannot be opened, and what is no file: a device has no end.
     pub fn open(path: &Path) -> Result<Self, Problem> {
-        let file = File::open(path).map_err(|error| Problem::new(format!("cannot open the file: {error}")))?;
-        let metadata = file.metadata().map_err(|error| Problem::of_reading(&error))?;
-        if !metadata.is_file() {
+        let cannot_open = |error: io::Error| Problem::new(format!("cannot open the file: {error}"));
+        // Asked before it is opened: a pipe without a writer would wait for one.
+        if !fs::metadata(path).map_err(cannot_open)?.is_file() {
             return Err(Problem::new("this is no file; give the file that holds the matrix"));
         }
+        let file = File::open(path).map_err(cannot_open)?;
+        let metadata = file.metadata().map_err(|error| Problem::of_reading(&error))?;
         Ok(Self { path: path.to_owned(), file, length: metadata.len() })
     }
 

@@ -87,7 +87,11 @@ fn targets(limits: &FinishedLimits) -> Vec<f64> {
 /// What the lines are, for a note.
 pub fn note(limits: &FinishedLimits) -> String {
     let targets: Vec<String> = targets(limits).into_iter().map(rounded).collect();
-    format!("red: limits of {} at P = {}", limits.of.replace('_', " "), targets.join(", "))
+    let contradicted = match limits.contradicted() {
+        0 => String::new(),
+        some => format!("; plain samples contradict {some} of {}", limits.rows.len()),
+    };
+    format!("red: limits of {} at P = {}{contradicted}", limits.of.replace('_', " "), targets.join(", "))
 }
 
 #[cfg(test)]
@@ -121,6 +125,7 @@ mod tests {
                 target: 0.01,
                 rises: state == "rises",
                 value,
+                is_contradicted: false,
             };
             rows.extend(limits.iter().map(|&(state, value)| row(state, Some(value))));
             if limits.is_empty() {

@@ -104,7 +104,7 @@ pub fn figure(values: &Values, view: &GridView, width: f64) -> Option<Canvas> {
 
 /// What cells without a probability are.
 fn blank_note(values: &Values) -> Option<&'static str> {
-    values.probability.contains(&None).then_some("blank: no sample is decided")
+    values.probability.contains(&None).then_some("blank: no probability")
 }
 
 /// The upper end of the axis of probabilities: a round one, or just above the largest probability if that is tiny.

@@ -25,6 +25,8 @@ pub struct Values {
     pub failed: Vec<u64>,
     /// Samples outside the model; 0 where these are not counted.
     pub outside: Vec<u64>,
+    /// Why a cell has no probability, as the column of that name; 0 where there is none.
+    pub distrust: Vec<u64>,
     /// Its limits, if it has some.
     pub limits: Option<FinishedLimits>,
 }
@@ -39,19 +41,24 @@ impl Values {
         surface.note_other_version();
         let names = ["p_unstable", "p_low", "p_high", "n_samples", "n_unstable", "n_undecided", "n_failed"];
         let [probability, low, high, samples, unstable, undecided, failed] = surface.numbers(names)?;
-        // Runs that integrate, over all inputs or over one, do not count them.
-        let outside = match surface.columns(|name| name == "n_outside_physics")?.pop().map(|column| column.values) {
-            Some(FinishedValues::Integer(counts)) => {
-                counts.into_iter().map(|count| count.unwrap_or(0) as u64).collect()
-            }
-            _ => vec![0; probability.len()],
+        // Not all runs have them: those that integrate, over all inputs or over one, count no samples outside the model.
+        let cells = probability.len();
+        let counts_of = |wanted: &str| -> Result<Vec<u64>, Failure> {
+            Ok(match surface.columns(|name| name == wanted)?.pop().map(|column| column.values) {
+                Some(FinishedValues::Integer(counts)) => {
+                    counts.into_iter().map(|count| count.unwrap_or(0) as u64).collect()
+                }
+                _ => vec![0; cells],
+            })
         };
+        let (outside, distrust) = (counts_of("n_outside_physics")?, counts_of("distrust")?);
         let known = |column: Vec<Option<f64>>| column.into_iter().map(|value| value.unwrap_or(f64::NAN)).collect();
         let counts = |column: Vec<Option<f64>>| column.into_iter().map(|value| value.unwrap_or(0.0) as u64).collect();
         let [samples, unstable, undecided, failed] = [samples, unstable, undecided, failed].map(counts);
         let (low, high) = (known(low), known(high));
         let limits = FinishedLimits::read(run, &surface.job)?;
-        Ok(Self { job: surface.job, probability, low, high, samples, unstable, undecided, failed, outside, limits })
+        let job = surface.job;
+        Ok(Self { job, probability, low, high, samples, unstable, undecided, failed, outside, distrust, limits })
     }
 
     /// Whether nothing scatters, so that all samples of a cell have one verdict.
@@ -64,6 +71,7 @@ impl Values {
         let mut exceptions = Exceptions::default();
         for cell in 0..self.samples.len() {
             exceptions.add(self.samples[cell], self.undecided[cell], self.failed[cell], self.outside[cell]);
+            exceptions.add_distrust(self.distrust[cell]);
         }
         exceptions
     }

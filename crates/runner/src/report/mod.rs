@@ -114,7 +114,8 @@ fn answered(run: &ReportedRun, has_name: bool) -> String {
         + &values
             .exceptions()
             .sentences(job)
-            .iter()
+            .into_iter()
+            .chain(run.values.limits.as_ref().and_then(|limits| limits.contradiction(job)))
             .map(|text| element("p", "class=\"warning\"", &format!("{text}.")))
             .collect::<String>()
         + &job.reduction().map_or_else(String::new, |reduction| element("p", "class=\"note\"", &reduced(reduction)))

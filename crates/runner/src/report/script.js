@@ -36,7 +36,7 @@ function described(cell) {
   const interval = `${number(of.low[cell])} to ${number(of.high[cell])}`;
   if (view.comparison) {
     if (of.low[cell] === null) return "not a cell of both runs";
-    if (value(cell) === null) return "difference unknown: no sample is decided";
+    if (value(cell) === null) return "difference unknown: a cell has no probability";
     const both = `P = ${number(of.second[cell])} and ${number(of.first[cell])}`;
     return `difference = ${number(value(cell))} (${of.interval_name}: ${interval}); ${both}`;
   }

@@ -9,7 +9,6 @@ use std::time::{Duration, Instant};
 
 use rayon::iter::{IndexedParallelIterator as _, IntoParallelIterator as _, ParallelIterator as _};
 use rayon::{ThreadPool, ThreadPoolBuilder};
-use stickslip_sampler::draw::identity::BLOCK_SAMPLES;
 
 use stickslip_core::model::IsStopped;
 
@@ -137,7 +136,7 @@ impl Engine {
         Ok((outcome, cells))
     }
 
-    /// Audits the maps behind integrals, as far as `audits` lacks it. Finished audits are written to the directory
+    /// Audits the maps behind integrals, or draws the plain samples beside probabilities, as far as `audits` lacks it. Finished audits are written to the directory
     /// `keep`, if there is one.
     pub fn audit(
         &self,
@@ -147,7 +146,7 @@ impl Engine {
         interrupt: &Interrupt,
     ) -> Result<Outcome, Failure> {
         let parts = Parts::of_audits(evaluator.job());
-        let plan = Plan::new(audits, &parts, BLOCK_SAMPLES, None);
+        let plan = Plan::new(audits, &parts, parts.unit_samples(), None);
         if plan.units() == 0 {
             return Ok(interrupt.signal().map_or(Outcome::Finished, Outcome::Stopped));
         }

@@ -1,6 +1,7 @@
 //! The columns of `surface.parquet`: name, unit, meaning, and how to read the value from a row.
 
 use std::borrow::Cow;
+use std::iter;
 use std::sync::Arc;
 
 use arrow::array::{ArrayRef, Float64Array};
@@ -8,9 +9,10 @@ use arrow::datatypes::{DataType, Field};
 use stickslip_core::model::Model;
 use stickslip_core::model::decision::Source;
 use stickslip_core::model::recorded::RecordedResult;
+use stickslip_sampler::estimate::audit::PlainSamples;
 use stickslip_sampler::estimate::distribution::Distribution;
 use stickslip_sampler::estimate::sobol_indices::SobolIndices;
-use stickslip_sampler::estimate::weighted::{Distrust, WeightedEstimate};
+use stickslip_sampler::estimate::weighted::WeightedEstimate;
 use stickslip_sampler::inputs::{Marginal, PairParameter};
 
 use crate::evaluate::integral::IntegratedCell;
@@ -74,6 +76,9 @@ pub fn for_job(job: &Job, layout: SumLayout) -> Vec<Column> {
     if job.answer().is_of_rare_events() {
         columns.extend(weight_columns());
     }
+    if job.sampling.method.has_plain_samples() {
+        columns.extend(trust_columns(job.plain_samples() > 0));
+    }
     for (place, result) in job.model().recorded().iter().enumerate() {
         columns.extend(recorded_columns(place, result));
     }
@@ -119,7 +124,7 @@ impl From<CellColumn> for Column {
 /// The columns of every surface that say what its cells are.
 fn first_columns(job: &Job) -> Vec<Column> {
     let cell = Column::integer("cell", "0-based index of the cell", |row| row.cell.index);
-    std::iter::once(cell).chain(shown(job).map(Column::from)).collect()
+    iter::once(cell).chain(shown(job).map(Column::from)).collect()
 }
 
 /// The columns of every surface that say what was found; `probability` is the meaning of `p_unstable`.
@@ -160,18 +165,25 @@ fn weight_columns() -> Vec<Column> {
             "verdicts or conditional probabilities that were computed, with those by which the samples were placed",
             of(|weighted| weighted.evaluations),
         ),
-        Column::integer(
-            "distrust",
-            "0 if nothing speaks against the probability; else p_unstable is null: 1 nothing unstable was found, 2 few samples have most of the probability, 3 independent populations disagree, 4 samples without a verdict are more probable than unstable ones",
-            |row| match row.weighted.as_ref().and_then(|weighted| weighted.distrust) {
-                None => 0,
-                Some(Distrust::NothingFound) => 1,
-                Some(Distrust::FewSamples) => 2,
-                Some(Distrust::Disagreement) => 3,
-                Some(Distrust::WithoutVerdict) => 4,
-            },
-        ),
     ]
+}
+
+/// Columns of jobs whose probabilities do not come from plain samples.
+fn trust_columns(has_plain_samples: bool) -> Vec<Column> {
+    let distrust = Column::integer(
+        "distrust",
+        "0 if nothing speaks against the probability; else p_unstable is null: 1 nothing unstable was found (or nothing stable, where instability is frequent), 2 few samples have most of the probability, 3 independent populations disagree, 4 samples without a verdict are more probable than unstable ones, 5 plain samples contradict p_low to p_high, 6 critical values leave too much open",
+        |row| row.distrust,
+    );
+    let plain = |name: &'static str, meaning: &'static str, count: fn(&PlainSamples) -> u64| {
+        Column::integer(name, meaning, move |row| row.plain.as_ref().map_or(0, count))
+    };
+    let samples = [
+        plain("n_audit", "plain samples beside the probability that have a verdict", |plain| plain.decided),
+        plain("n_audit_unstable", "unstable ones of them", |plain| plain.unstable),
+    ];
+    let samples = samples.into_iter().filter(|_| has_plain_samples);
+    iter::once(distrust).chain(samples).collect()
 }
 
 /// Columns of a result that is recorded.

@@ -11,6 +11,7 @@ use parquet::arrow::arrow_reader::ParquetRecordBatchReader;
 
 use crate::evaluate::sums::SumLayout;
 use crate::failure::Failure;
+use crate::files::bounded::open_regular;
 use crate::files::foreign;
 use crate::files::table::{LONG_NAME, UNIT};
 use crate::job::Job;
@@ -151,7 +152,7 @@ impl FinishedSurface {
 /// # Errors
 /// A file that is no Parquet file, and a column that is missing or holds no numbers.
 pub fn read_numbers<const N: usize>(path: &Path, names: [&str; N]) -> Result<[Vec<Option<f64>>; N], String> {
-    let file = File::open(path).map_err(|error| error.to_string())?;
+    let file = open_regular(path).map_err(|error| error.to_string())?;
     numbers_of(read_columns(file, None, |name| names.contains(&name))?, names)
 }
 

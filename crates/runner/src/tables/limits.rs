@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use arrow::array::{AsArray as _, RecordBatchReader as _};
+use arrow::array::{Array as _, AsArray as _, RecordBatchReader as _};
 use arrow::datatypes::{DataType, Float64Type, Int64Type};
 use parquet::arrow::arrow_reader::ParquetRecordBatchReader;
 
@@ -33,9 +33,22 @@ pub struct FinishedLimit {
     pub rises: bool,
     /// The value of the axis, if the target is passed.
     pub value: Option<f64>,
+    /// Whether plain samples contradict the probability there or at an end of the axis.
+    pub is_contradicted: bool,
 }
 
 impl FinishedLimits {
+    /// How many of them plain samples contradict.
+    pub fn contradicted(&self) -> usize {
+        self.rows.iter().filter(|row| row.is_contradicted).count()
+    }
+
+    /// What is said where plain samples contradict limits; nothing where they do not.
+    pub fn contradiction(&self, job: &Job) -> Option<String> {
+        let contradicted = self.contradicted();
+        (contradicted > 0).then(|| contradiction(job, &self.of, [contradicted, self.rows.len()]))
+    }
+
     /// Reads the limits of a run; `None` if there are none of its job.
     ///
     /// # Errors
@@ -63,14 +76,31 @@ impl FinishedLimits {
     }
 }
 
-/// The columns that are read, in the order of the file.
-const COLUMNS: [&str; 4] = ["cell", "target", "state", "limit"];
+/// What is said of the limits of a run.
+pub struct RunLimits {
+    /// A line on them.
+    pub line: String,
+    /// What is said where plain samples contradict some.
+    pub contradiction: Option<String>,
+}
+
+/// What is said where plain samples contradict so many of so many limits of an axis.
+pub fn contradiction(job: &Job, of: &str, [contradicted, all]: [usize; 2]) -> String {
+    format!(
+        "plain samples contradict the probability at {contradicted} of {all} limits of {of} or at the ends of the axis, so {} missed a region there; take method = \"monte-carlo\" for this job",
+        job.sampling.method.asked(),
+    )
+}
+
+/// The columns that are read, in the order of the file. The last is there where plain samples are.
+const COLUMNS: [&str; 5] = ["cell", "target", "state", "limit", "distrust"];
 
 fn rows_of(table: ParquetRecordBatchReader) -> Result<Vec<FinishedLimit>, String> {
     let schema = table.schema();
     let columns = schema.fields().iter().map(|field| (field.name().as_str(), field.data_type()));
-    let types = [DataType::Int64, DataType::Float64, DataType::Utf8, DataType::Float64];
-    if !columns.eq(COLUMNS.into_iter().zip(&types)) {
+    let types = [DataType::Int64, DataType::Float64, DataType::Utf8, DataType::Float64, DataType::Int64];
+    let count = schema.fields().len();
+    if count + 1 < COLUMNS.len() || !columns.eq(COLUMNS.into_iter().zip(&types).take(count)) {
         return Err("its columns are not those of limits".to_owned());
     }
     let mut rows = Vec::new();
@@ -78,11 +108,22 @@ fn rows_of(table: ParquetRecordBatchReader) -> Result<Vec<FinishedLimit>, String
         let batch = batch.map_err(|error| error.to_string())?;
         let [cells, targets, states, limits] = [0, 1, 2, 3].map(|place| batch.column(place));
         let (cells, targets) = (cells.as_primitive::<Int64Type>(), targets.as_primitive::<Float64Type>());
-        for row in cells.iter().zip(targets).zip(states.as_string::<i32>()).zip(limits.as_primitive::<Float64Type>()) {
+        let distrust = |row: usize| match batch.columns().get(4) {
+            Some(reasons) => !reasons.is_null(row) && reasons.as_primitive::<Int64Type>().value(row) != 0,
+            None => false,
+        };
+        for (place, row) in cells
+            .iter()
+            .zip(targets)
+            .zip(states.as_string::<i32>())
+            .zip(limits.as_primitive::<Float64Type>())
+            .enumerate()
+        {
             let (((Some(cell), Some(target)), Some(state)), value) = row else {
                 return Err("a limit has no cell, target or state".to_owned());
             };
-            rows.push(FinishedLimit { cell: cell.cast_unsigned(), target, rises: state == "rises", value });
+            let (cell, is_contradicted) = (cell.cast_unsigned(), distrust(place));
+            rows.push(FinishedLimit { cell, target, rises: state == "rises", value, is_contradicted });
         }
     }
     Ok(rows)

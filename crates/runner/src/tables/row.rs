@@ -1,9 +1,9 @@
 //! A row of the surface: everything that is known of one cell.
 
 use stickslip_core::model::verdict::VerdictCounts;
-use stickslip_sampler::estimate::audit;
+use stickslip_sampler::estimate::audit::{self, PlainSamples};
 use stickslip_sampler::estimate::interval::Estimate;
-use stickslip_sampler::estimate::weighted::WeightedEstimate;
+use stickslip_sampler::estimate::weighted::{Distrust, WeightedEstimate};
 use stickslip_sampler::grid::Cell;
 
 use crate::evaluate::integral::IntegratedCell;
@@ -33,6 +33,34 @@ pub struct SurfaceRow {
     pub weighted: Option<WeightedEstimate>,
     /// The integral, where the probability was integrated.
     pub(super) integrated: Option<IntegratedCell>,
+    /// The plain samples beside the probability, where there are some.
+    pub plain: Option<PlainSamples>,
+    /// Why the probability is not to be trusted, as the column of that name has it; 0 if nothing speaks against it.
+    pub distrust: u64,
+}
+
+/// Plain samples contradict the probability.
+pub const CONTRADICTED: u64 = 5;
+
+/// Critical values leave so much open that there is no probability.
+pub const OPEN: u64 = 6;
+
+/// Why an estimate is not to be trusted: by its weights, by plain samples, or as an integral that is left open.
+pub fn distrust(
+    weighted: Option<&WeightedEstimate>,
+    integrated: Option<&IntegratedCell>,
+    estimate: &Estimate,
+    plain: Option<&PlainSamples>,
+) -> u64 {
+    match weighted.and_then(|weighted| weighted.distrust) {
+        Some(Distrust::NothingFound) => 1,
+        Some(Distrust::FewSamples) => 2,
+        Some(Distrust::Disagreement) => 3,
+        Some(Distrust::WithoutVerdict) => 4,
+        None if plain.is_some_and(|plain| plain.contradict([estimate.low, estimate.high])) => CONTRADICTED,
+        None if integrated.is_some_and(|cell| cell.estimate.probability.is_none()) => OPEN,
+        None => 0,
+    }
 }
 
 impl SurfaceRow {

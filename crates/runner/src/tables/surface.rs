@@ -7,6 +7,7 @@ use std::io::{self, BufWriter, Write};
 use parquet::errors::ParquetError;
 use stickslip_core::model::verdict::VerdictCounts;
 use stickslip_sampler::draw::identity::RESULTS_VERSION;
+use stickslip_sampler::estimate::audit::PlainSamples;
 use stickslip_sampler::estimate::interval::Estimate;
 
 use crate::evaluate::integral::IntegratedCell;
@@ -22,7 +23,7 @@ use crate::store::directory::{JOB_HASH_KEY, JOB_KEY, RunDirectory};
 use crate::store::layout::SURFACE;
 use crate::store::tally::Tally;
 use crate::tables::columns::{self, Column};
-use crate::tables::row::{SurfaceRow, unaudited, widened};
+use crate::tables::row::{CONTRADICTED, SurfaceRow, distrust, unaudited, widened};
 use crate::version::VERSION;
 
 /// Number of rows that are held in memory at once, and in a row group.
@@ -35,6 +36,8 @@ pub struct Surface<'a> {
     tally: &'a Tally,
     /// The integral of each cell, if probabilities are integrated; empty otherwise.
     integrated: &'a [IntegratedCell],
+    /// The plain samples beside probabilities, by cell, where there are some.
+    audits: Option<&'a Tally>,
     parts: Parts,
     layout: SumLayout,
     /// With looks, the estimate of each cell, kept because rows are made more than once.
@@ -48,6 +51,7 @@ impl<'a> Surface<'a> {
             job,
             tally,
             integrated: &[],
+            audits: None,
             parts: Parts::new(job),
             layout: SumLayout::for_job(job),
             at_stop: OnceCell::new(),
@@ -57,6 +61,11 @@ impl<'a> Surface<'a> {
     /// The surface of a job that integrates, with an integral for each cell.
     pub fn integrated(job: &'a Job, tally: &'a Tally, integrated: &'a [IntegratedCell]) -> Self {
         Self { integrated, ..Self::new(job, tally) }
+    }
+
+    /// The same with the plain samples beside its probabilities.
+    pub fn audited(self, audits: Option<&'a Tally>) -> Self {
+        Self { audits: audits.filter(|_| self.job.plain_samples() > 0), ..self }
     }
 
     /// Its job.
@@ -86,6 +95,12 @@ impl<'a> Surface<'a> {
             (None, Some(weighted)) => weighted.estimate,
             (None, None) => self.estimate(cell, &counts, confidence),
         };
+        let plain = self
+            .audits
+            .map(|audits| audits.counts(cell))
+            .map(|VerdictCounts { stable, unstable, .. }| PlainSamples { decided: stable + unstable, unstable });
+        let distrust = distrust(weighted.as_ref(), integrated.as_ref(), &counted, plain.as_ref());
+        let counted = if distrust == CONTRADICTED { Estimate { probability: None, ..counted } } else { counted };
         let unaudited =
             self.job.sampling.is_audited.then(|| {
                 unaudited(&lookups, integrated.is_none().then_some(counts.total()), self.job.audit_confidence())
@@ -101,6 +116,8 @@ impl<'a> Surface<'a> {
             sums,
             weighted,
             integrated,
+            plain,
+            distrust,
         }
     }
 

@@ -44,6 +44,40 @@ pub fn upper_bound(differed: u64, audited: u64, confidence: f64) -> f64 {
     beta::upper_quantile(differed as f64 + 1.0, (audited - differed) as f64, 1.0 - confidence)
 }
 
+/// How improbable counts of plain samples have to be, whatever the probability within its bounds, to contradict these.
+pub const CONTRADICTION: f64 = 1e-6;
+
+/// Plain samples beside a probability that does not come from them.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct PlainSamples {
+    /// Samples with a verdict.
+    pub decided: u64,
+    /// Unstable ones of them.
+    pub unstable: u64,
+}
+
+impl PlainSamples {
+    /// Whether they contradict a probability between these bounds: with the nearest one, so few unstable ones or so many have
+    /// a probability below [`CONTRADICTION`].
+    #[must_use]
+    pub fn contradict(&self, [low, high]: [f64; 2]) -> bool {
+        let Self { decided, unstable } = *self;
+        let at_most = || beta::binomial_at_most(unstable, decided, low);
+        let at_least = || beta::binomial_at_least(unstable, decided, high);
+        decided > 0 && (at_most() < CONTRADICTION || at_least() < CONTRADICTION)
+    }
+
+    /// The probability at most of what was missed, of instability or of stability, where a probability is said to lie between
+    /// these bounds: with this one-sided confidence.
+    #[must_use]
+    pub fn largest_missed(&self, [low, high]: [f64; 2], confidence: f64) -> f64 {
+        let Self { decided, unstable } = *self;
+        let most = upper_bound(unstable, decided, confidence);
+        let least = 1.0 - upper_bound(decided - unstable, decided, confidence);
+        (most - low).max(high - least)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -60,6 +94,31 @@ mod tests {
         assert_ne!(choose(7, 4, 0..200_000, 0.01), whole);
         assert!(choose(7, 3, 0..5000, 0.0).iter().all(|&chosen| !chosen));
         assert!(choose(7, 3, 0..5000, 1.0).iter().all(|&chosen| chosen));
+    }
+
+    /// Of 300 samples, the first number of unstable ones beyond the bounds at 1e-6, by sums of binomial probabilities.
+    #[test]
+    fn counts_contradict_bounds_that_make_them_improbable() {
+        let mass = |n: u32, k: u32, p: f64| {
+            let choose = (0..k).fold(1.0, |product, i| product * f64::from(n - i) / f64::from(i + 1));
+            choose * p.powi(k as i32) * (1.0 - p).powi((n - k) as i32)
+        };
+        let n = 300;
+        for bounds in [[0.0, 0.0], [0.1, 0.1], [0.1, 0.3], [0.97, 1.0], [1.0, 1.0], [0.0, 1.0]] {
+            for unstable in 0..=n {
+                let below: f64 = (0..=unstable).map(|k| mass(n, k, bounds[0])).sum();
+                let above: f64 = (unstable..=n).map(|k| mass(n, k, bounds[1])).sum();
+                let samples = PlainSamples { decided: n.into(), unstable: unstable.into() };
+                let expected = below < CONTRADICTION || above < CONTRADICTION;
+                assert_eq!(samples.contradict(bounds), expected, "{unstable} of {n}: {bounds:?} {below} {above}");
+            }
+        }
+        assert!(!PlainSamples::default().contradict([0.5, 0.5]));
+        // Nothing of 1000: the rule of three, of instability beside 0 and of stability beside 1.
+        for (unstable, bound) in [(0, 0.0), (1000, 1.0)] {
+            let missed = PlainSamples { decided: 1000, unstable }.largest_missed([bound; 2], 0.95);
+            assert!((missed - 2.991e-3).abs() < 1e-6, "{missed}");
+        }
     }
 
     #[test]

@@ -27,6 +27,9 @@ const FEWEST: f64 = 20.0;
 /// The share of the effective number of points that counts as successes.
 const QUARTER: f64 = 0.25;
 
+/// Probabilities whose relative standard deviation is below this are alike.
+const ALIKE: f64 = 1e-6;
+
 /// The largest number of trials of which binomial tails are computed.
 const MOST_TRIALS: f64 = 1e10;
 
@@ -98,6 +101,9 @@ impl ConditionalPart {
 /// * Below 20 it includes Clopper and Pearson's for as many independent samples: of all variables between 0 and 1 with the
 ///   same mean, verdicts scatter most.
 ///
+/// **Points that are all alike** say nothing of a region that none of them met. The interval then allows for a region of other
+/// probabilities, as large as Clopper and Pearson's for no success in as many points.
+///
 /// ```
 /// use stickslip_sampler::estimate::conditional::{ConditionalPart, estimate};
 /// let part = |p: f64| ConditionalPart { points: 1000, failed: 0, probabilities: 1000.0 * p, squares: 1000.0 * p * p };
@@ -151,6 +157,12 @@ pub fn estimate(parts: &[ConditionalPart], confidence: f64) -> Estimate {
         };
         low = low.min(from);
         high = high.max(to);
+    }
+    let mean = unstable / decided;
+    if squares / decided - mean * mean <= (ALIKE * mean) * (ALIKE * mean) {
+        let (_, unmet) = self::binomial(0.0, 0.0, points, confidence);
+        low = low.min(mean * (1.0 - unmet));
+        high = high.max(mean + unmet * (1.0 - mean));
     }
     Estimate { probability, low: low.max(0.0), high: high.min(1.0) }
 }

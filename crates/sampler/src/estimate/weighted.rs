@@ -239,10 +239,6 @@ fn of_event(parts: &[WeightedPart], estimate: impl Fn(&[WeightedPart]) -> Weight
     let without = sum(|part| part.without_verdict) / sum(|part| part.samples);
     let complement = |stable: f64| (1.0 - stable - without).max(0.0);
     let Estimate { probability, low, high } = found.estimate;
-    if found.distrust == Some(Distrust::NothingFound) {
-        let estimate = Estimate { probability: Some(1.0), low: 1.0 - high, high: 1.0 };
-        return WeightedEstimate { estimate, mean: 1.0, distrust: None, ..found };
-    }
     let estimate = Estimate { probability: probability.map(complement), low: 1.0 - high, high: 1.0 - low };
     WeightedEstimate { estimate, mean: complement(found.mean), ..found }
 }
@@ -250,7 +246,7 @@ fn of_event(parts: &[WeightedPart], estimate: impl Fn(&[WeightedPart]) -> Weight
 /// Why an estimate is not trusted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Distrust {
-    /// Nothing unstable was found.
+    /// Nothing unstable was found, or, where instability is frequent, nothing stable.
     NothingFound,
     /// Few samples have most of the probability.
     FewSamples,

@@ -42,7 +42,17 @@ pub struct ExactProbability {
     pub error_bound: f64,
 }
 
+/// Bounds that are farther apart say too little for a probability between them.
+pub const MOST_OPEN: f64 = 1e-3;
+
 impl ExactProbability {
+    /// Whether the bounds are near enough to each other for the value between them to be a probability.
+    #[must_use]
+    pub fn is_resolved(&self) -> bool {
+        let [low, high] = self.bounds();
+        high - low <= MOST_OPEN
+    }
+
     /// Between which probabilities the error leaves it.
     #[must_use]
     pub fn bounds(&self) -> [f64; 2] {

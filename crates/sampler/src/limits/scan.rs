@@ -66,10 +66,10 @@ impl Scan {
         self.points.iter().all(|(_, found)| found.probability.is_none())
     }
 
-    /// The probabilities at the first and the last value; `None` without a verdict.
+    /// The first and the last value with their estimates; none of a scan without values.
     #[must_use]
-    pub fn ends(&self) -> [Option<f64>; 2] {
-        [self.points.first(), self.points.last()].map(|point| point.and_then(|(_, found)| found.probability))
+    pub fn ends(&self) -> Option<[(f64, Estimate); 2]> {
+        Some([*self.points.first()?, *self.points.last()?])
     }
 
     /// Every value at which the probability passes `target`, in rising order; if there is none, one entry that says on

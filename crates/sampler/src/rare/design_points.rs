@@ -22,6 +22,7 @@ use crate::rare::exploration::{Explored, Search};
 use crate::rare::gaussian::Gaussian;
 use crate::rare::mixture::Group;
 use crate::rare::points::Points;
+use crate::rare::population::SPREAD;
 use crate::rare::scatters::square;
 use crate::special_functions::normal;
 
@@ -41,6 +42,9 @@ const DIFFERENCE: f64 = 0.01;
 /// The distance below which a step is the last, and that below which two steps lead to one design point.
 const CLOSE: f64 = 0.1;
 const SAME: f64 = 0.5;
+
+/// A branch whose limit state is linear at the origin matters up to this distance of its design point from there.
+const FARTHEST_BRANCH: f64 = 9.0;
 
 /// Samples around a design point; their effective number over this, and the factor between the probabilities that they and
 /// the linear limit state give, where they agree.
@@ -168,13 +172,50 @@ impl Search<'_> {
             let linear = self.design_point(start, &found)?;
             found.extend(linear);
         }
+        if self.event() == Event::Instability {
+            for branch in 0..self.branches() {
+                found.extend(self.design_point_of(branch, explored, &found)?);
+            }
+        }
         let mut regions = Vec::new();
         for linear in &found {
             let Some(density) = linear.density() else { continue };
-            regions.push(self.region(linear, density, explored)?);
+            let region = self.region(linear, density, explored)?;
+            // A region that is small in all directions is met by none of the samples around its design point.
+            regions.push(if region.probability > 0.0 { region } else { self.fitted(&region, explored)? });
         }
         regions.retain(|region| region.probability > 0.0);
         Some(regions)
+    }
+
+    /// The limit state of a branch around the design point to which steps lead from the origin or, where none is found from
+    /// there, from the tried point with the least; as [`Search::design_point`].
+    fn design_point_of(&mut self, branch: usize, explored: &Explored, found: &[Linear]) -> Option<Option<Linear>> {
+        self.select(Some(branch));
+        let origin = vec![0.0; self.dimensions()];
+        let from_origin = self.linear(&origin);
+        let is_near = |linear: &Linear| linear.beta() < FARTHEST_BRANCH;
+        let mut linear = None;
+        if from_origin.as_ref().is_some_and(|found| found.as_ref().is_some_and(|(linear, ..)| is_near(linear))) {
+            linear = self.design_point(&origin, found);
+            if linear.as_ref().is_some_and(Option::is_none) {
+                linear = self.design_point_near_the_least(explored, found);
+            }
+        } else if from_origin.is_some() {
+            linear = Some(None);
+        }
+        self.select(None);
+        Some(linear?.filter(|linear| linear.beta() < FARTHEST_BRANCH))
+    }
+
+    /// The same from the tried point that has the least limit state of the branch.
+    fn design_point_near_the_least(&mut self, explored: &Explored, found: &[Linear]) -> Option<Option<Linear>> {
+        let mut points = Points::new(self.dimensions());
+        explored.with_limit_state.iter().for_each(|(point, _)| points.push(point.iter().copied()));
+        let (_, states) = self.evaluate_limit_states(&points)?;
+        let least = points.iter().zip(states).filter(|(_, state)| !state.is_nan()).min_by(|a, b| a.1.total_cmp(&b.1));
+        let Some(start) = least.map(|(point, _)| point.to_vec()) else { return Some(None) };
+        self.design_point(&start, found)
     }
 
     /// The limit state around the design point to which steps lead; the inner `None` if they lead to one that is known or
@@ -231,6 +272,28 @@ impl Search<'_> {
 
     /// What samples say of a region; `None` if it is stopped before.
     fn region(&mut self, linear: &Linear, density: Gaussian, explored: &Explored) -> Option<Region> {
+        let [sum, squares] = self.sampled(&density)?;
+        let probability = sum / SAMPLES as f64;
+        let factor = probability / normal::upper_tail(linear.beta());
+        let is_explained = |(point, state): &(Vec<f64>, f64)| *state > 0.0 || linear.at(point) <= 0.0;
+        let is_plane = effective_number(sum, squares) >= LEAST_EFFECTIVE * SAMPLES as f64
+            && (1.0 / MOST_FACTOR..MOST_FACTOR).contains(&factor)
+            && explored.with_limit_state.iter().all(is_explained);
+        Some(Region { probability, density, event: self.event(), is_plane })
+    }
+
+    /// The same region with a density that is fitted to points which are spread over it from its middle; `None` if it is
+    /// stopped before.
+    pub(super) fn fitted(&mut self, region: &Region, explored: &Explored) -> Option<Region> {
+        let spread = self.spread(&explored.scatters, &[region.density.mean()])?;
+        let Some(density) = Gaussian::fit(spread.iter(), &[1.0; SPREAD]) else { return Some(region.clone()) };
+        let [sum, _] = self.sampled(&density)?;
+        let probability = if sum > 0.0 { sum / SAMPLES as f64 } else { region.probability };
+        Some(Region { probability, density, ..region.clone() })
+    }
+
+    /// The sum of what samples with a density count for in the event, and that of the squares; `None` if it is stopped before.
+    fn sampled(&mut self, density: &Gaussian) -> Option<[f64; 2]> {
         let dimensions = self.dimensions();
         let mut points = Points::new(dimensions);
         for _ in 0..SAMPLES {
@@ -247,13 +310,7 @@ impl Search<'_> {
             sum += term;
             squares += term * term;
         }
-        let probability = sum / SAMPLES as f64;
-        let factor = probability / normal::upper_tail(linear.beta());
-        let is_explained = |(point, state): &(Vec<f64>, f64)| *state > 0.0 || linear.at(point) <= 0.0;
-        let is_plane = effective_number(sum, squares) >= LEAST_EFFECTIVE * SAMPLES as f64
-            && (1.0 / MOST_FACTOR..MOST_FACTOR).contains(&factor)
-            && explored.with_limit_state.iter().all(is_explained);
-        Some(Region { probability, density, event: self.event(), is_plane })
+        Some([sum, squares])
     }
 }
 

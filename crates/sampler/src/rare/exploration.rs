@@ -203,6 +203,16 @@ impl<'a> Search<'a> {
         values
     }
 
+    /// How many limit states there are beside that of the whole event.
+    pub(super) fn branches(&mut self) -> usize {
+        self.integrand.branches()
+    }
+
+    /// Which of them is asked for.
+    pub(super) fn select(&mut self, branch: Option<usize>) {
+        self.integrand.select(branch);
+    }
+
     /// Whether the event has limit states.
     pub(super) fn has_limit_states(&mut self) -> bool {
         self.integrand.limit_states(&Points::new(self.dimensions), &[]).is_some()

@@ -70,6 +70,16 @@ pub trait Integrand {
         let _ = (points, values);
         None
     }
+
+    /// How many limit states there are beside that one, each with a part of the event, so that regions behind it are found.
+    fn branches(&mut self) -> usize {
+        0
+    }
+
+    /// Which of them [`limit_states`](Self::limit_states) returns from now on; the one of the whole event for `None`.
+    fn select(&mut self, branch: Option<usize>) {
+        let _ = branch;
+    }
 }
 
 impl<F: FnMut(&Points) -> Option<Vec<Option<f64>>>> Integrand for F {

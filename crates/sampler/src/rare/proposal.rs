@@ -71,14 +71,17 @@ impl Proposal {
     ///
     /// Where there is a limit state, its gradient leads to design points. If it leads to a single one, around which the limit
     /// state is about linear, the event is rare, and the few points that were tried have shown nothing else, that is all.
-    /// Else populations are led from many more points. Where points that were tried are missed by the densities so far,
+    /// Else, and where there are several limit states, populations are led from many more points. Where points that were tried are missed by the densities so far,
     /// another population is led from these.
     pub fn find(search: &mut Search<'_>) -> Option<Self> {
         let mut regions = Vec::new();
         if search.has_limit_states() {
             let explored = search.explore_limit_states(search.effort().particles.div_ceil(PARTICLES_PER_POINT))?;
             regions = search.design_points(&explored)?;
-            if let Some(proposal) = Self::around_one_plane(&explored, &regions) {
+            // Behind several limit states there may be more than one plane shows.
+            if search.branches() == 0
+                && let Some(proposal) = Self::around_one_plane(&explored, &regions)
+            {
                 return Some(proposal);
             }
         }
@@ -119,6 +122,9 @@ impl Proposal {
             if places.is_empty() || populations.len() == MOST_POPULATIONS {
                 let enlarged = if places.is_empty() { ENLARGED } else { ENLARGED_WHERE_MISSED };
                 regions.retain(|region| region.event == explored.event && proposal.misses(region, probability));
+                for region in regions.iter_mut().filter(|region| !region.is_plane) {
+                    *region = search.fitted(region, &explored)?;
+                }
                 if !regions.is_empty() {
                     let probability = regions.iter().map(|region| region.probability).sum();
                     populations.retain(|(_, groups)| !groups.is_empty());

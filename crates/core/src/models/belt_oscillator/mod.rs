@@ -221,7 +221,7 @@ impl BeltOscillator {
     #[must_use]
     pub fn new(oscillator: Oscillator, criterion: BeltCriterion) -> Self {
         let criterion = match criterion {
-            BeltCriterion::Eigenvalue { record } => Criterion::Eigenvalue { record },
+            BeltCriterion::Eigenvalue { record } => Criterion::Eigenvalue { record: record.tangential() },
             BeltCriterion::TimeDomain(settings) => Criterion::TimeDomain { disc: DiscModel::Rigid, settings },
         };
         let pad = PadModel::new(oscillator.pressed(1.0), criterion);

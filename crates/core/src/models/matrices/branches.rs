@@ -2,7 +2,7 @@
 
 use super::error::Error;
 use super::pair::{Complex, Pair, damping_ratio_slope, dot};
-use super::region::{Region, magnitude};
+use super::region::{Region, ZERO, magnitude};
 
 /// Steps of Newton's method for a critical value.
 const NEWTON_STEPS: usize = 30;
@@ -118,6 +118,8 @@ pub enum Target {
     DampingRatio(f64),
     /// The angular frequency has this value: a pair leaves or enters a band.
     Frequency(f64),
+    /// A real eigenvalue is zero: divergence begins or ends.
+    Growth,
 }
 
 impl Target {
@@ -127,6 +129,7 @@ impl Target {
         match self {
             Self::DampingRatio(ratio) => (followed.pair.damping_ratio() - ratio, followed.damping_ratio_slope()),
             Self::Frequency(frequency) => (followed.pair.eigenvalue.im - frequency, followed.slope.im),
+            Self::Growth => (ZERO - followed.pair.eigenvalue.re, -followed.slope.re),
         }
     }
 
@@ -135,7 +138,7 @@ impl Target {
     pub fn error(self, pair: &Pair) -> f64 {
         match self {
             Self::DampingRatio(_) => pair.damping_ratio_error(),
-            Self::Frequency(_) => pair.error,
+            Self::Frequency(_) | Self::Growth => pair.error,
         }
     }
 }

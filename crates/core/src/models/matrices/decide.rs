@@ -13,6 +13,9 @@ use crate::numerics::eigenvalues::{Eigenvalue, fast_eigenvalues};
 /// Relative rounding of eigenvalues of the series, in parts of the unit of frequency.
 const ROUNDING: f64 = 1e-11;
 
+/// An imaginary part that counts as rounding, in parts of the eigenvalue.
+const NEARLY_REAL: f64 = 1e-12;
+
 /// Coordinates from which on eigenvalues by vector instructions save time.
 const LARGE: usize = 24;
 
@@ -140,8 +143,10 @@ impl<'a> Decider<'a> {
     pub fn least_damped(&self, coefficients: &[f64]) -> Option<Eigenvalue> {
         let problem = self.problem.at(coefficients);
         let least = |values: Vec<Eigenvalue>| {
-            let in_band =
-                values.into_iter().filter(|value| value.im >= 0.0 && excess(self.regions, *value).is_finite());
+            // A real eigenvalue that was refined has an imaginary part of rounding.
+            let real = |value: &Eigenvalue| value.im.abs() <= NEARLY_REAL * magnitude(*value);
+            let values = values.into_iter().map(|value| if real(&value) { value.re.into() } else { value });
+            let in_band = values.filter(|value| value.im >= 0.0 && excess(self.regions, *value).is_finite());
             in_band.min_by(|a, b| excess(self.regions, *a).total_cmp(&excess(self.regions, *b)))
         };
         let by_series = || {

@@ -3,7 +3,7 @@
 use nalgebra::DVector;
 
 use super::branches::{Branches, Images, Path, Place};
-use super::eigenbasis::Eigenbasis;
+use super::eigenbasis::{Eigenbasis, WORST_CONDITION};
 use super::error::Error;
 use super::pair::{Complex, Pair};
 use super::quadratic::{DenseQuadratic, Quadratic, product};
@@ -32,13 +32,18 @@ impl Branches for DenseBranches<'_> {
 }
 
 impl Place for DensePlace {
-    /// All pairs of the upper half plane. None has vectors if some of them are defective.
+    /// All eigenvalues that are not below the real axis; those that are nearly defective without vectors.
     fn pairs(&self, _: &Region) -> Result<Vec<Pair>, Error> {
-        if let Some(basis) = Eigenbasis::new(&self.problem) {
+        let without_vectors =
+            |eigenvalue| Pair { eigenvalue, right: Vec::new(), left: Vec::new(), error: f64::INFINITY };
+        if let Some((basis, conditions)) = Eigenbasis::with_conditions(&self.problem) {
             let upper = (0..basis.eigenvalues.len()).filter(|&place| basis.eigenvalues[place].im >= 0.0);
             let pair = |place: usize| {
-                let (right, left) = (basis.right.column(place), basis.left.row(place));
                 let eigenvalue = basis.eigenvalues[place];
+                if conditions[place].is_nan() || conditions[place] > WORST_CONDITION {
+                    return without_vectors(eigenvalue);
+                }
+                let (right, left) = (basis.right.column(place), basis.left.row(place));
                 let slope = left.dot(&self.problem.derivative_times(eigenvalue, &right));
                 self.problem.pair(eigenvalue, slope, right, &left)
             };
@@ -46,8 +51,6 @@ impl Place for DensePlace {
         }
         let not_converged = |_| Error::NotConverged { re: f64::NAN, im: f64::NAN };
         let values = self.problem.eigenvalues().map_err(not_converged)?;
-        let without_vectors =
-            |eigenvalue| Pair { eigenvalue, right: Vec::new(), left: Vec::new(), error: f64::INFINITY };
         Ok(values.into_iter().filter(|value| value.im >= 0.0).map(without_vectors).collect())
     }
 
@@ -86,18 +89,20 @@ mod tests {
     use nalgebra::{DMatrix, dmatrix};
 
     use super::*;
-    use crate::model::critical_values::{Memory, NoMemory, OnInterval};
+    use crate::model::critical_values::{Memory, NoMemory, OnInterval, evenly};
     use crate::models::matrices::branches::Line;
     use crate::models::matrices::region::RESOLUTION;
     use crate::models::matrices::sweep::{Steps, Sweep};
     use crate::models::matrices::trial::problem;
     use crate::numerics::eigenvalues::Eigenvalue;
 
-    const STEPS: Steps = Steps { first: 8, halvings: 30 };
+    const FIRST: usize = 6;
+
+    const STEPS: Steps = Steps { joined: 1, halvings: 44, most: 4000 };
 
     fn sweep(problem: &DenseQuadratic, path: &Line, region: &Region, within: [f64; 2]) -> Sweep {
         let branches: &dyn Branches = &DenseBranches { problem, path };
-        branches.sweep(region, within, STEPS).unwrap()
+        branches.sweep(region, &evenly(within, FIRST), STEPS).unwrap()
     }
 
     /// A random problem, and the path along one of its coefficients.
@@ -123,7 +128,7 @@ mod tests {
             let found = sweep(&problem, &path, &region, within);
             changes += found.changes.len();
             let branches: &dyn Branches = &DenseBranches { problem: &problem, path: &path };
-            let unstable = branches.unstable_values(&region, within, STEPS, &NoMemory).unwrap();
+            let unstable = branches.unstable_values(&region, &evenly(within, FIRST), STEPS, &NoMemory).unwrap();
             several += usize::from(unstable.surely.len() > 1);
             let wide: f64 = found.unresolved.iter().map(|([from, to], _)| to - from).sum();
             assert!(wide < 1e-6, "{seed}: {:?}", found.unresolved);
@@ -172,7 +177,7 @@ mod tests {
             let (problem, path, region) = along_a_coefficient(seed);
             let within = [0.0, HIGHEST];
             let branches: &dyn Branches = &DenseBranches { problem: &problem, path: &path };
-            let expected = branches.unstable_values(&region, within, STEPS, &NoMemory).unwrap();
+            let expected = branches.unstable_values(&region, &evenly(within, FIRST), STEPS, &NoMemory).unwrap();
             let all = sweep(&problem, &path, &region, within).unstable(within);
             let size = |set: &[[f64; 2]]| set.iter().map(|[from, to]| to - from).sum::<f64>();
             for (found, all) in [(&expected.surely, &all.surely), (&expected.possibly, &all.possibly)] {
@@ -181,7 +186,7 @@ mod tests {
             let known = RefCell::default();
             let sessions = (0..).map(|_| {
                 let memory = UntilStopped { known: &known, asked: Cell::new(0), left: Cell::new(3) };
-                branches.unstable_values(&region, within, STEPS, &memory)
+                branches.unstable_values(&region, &evenly(within, FIRST), STEPS, &memory)
             });
             let (number, found) = sessions.enumerate().find_map(|(number, found)| Some((number, found?))).unwrap();
             assert_eq!(found, expected, "{seed}");
@@ -256,7 +261,7 @@ mod tests {
             let path = Line { from: vec![1.0, 1.0, 0.0], direction: vec![0.0, 0.0, 1.0] };
             let branches: &dyn Branches = &DenseBranches { problem: &problem, path: &path };
             let within = [0.0, 1.07];
-            let found = branches.unstable_values(&region, within, STEPS, &NoMemory).unwrap();
+            let found = branches.unstable_values(&region, &evenly(within, FIRST), STEPS, &NoMemory).unwrap();
             let [first, last] = found.surely[..] else { panic!("{coupling}: {found:?}") };
             // At their meeting the modes share both; stable is where the one of less damping has taken enough from the other.
             let is_stable = |p: f64| {

@@ -12,7 +12,7 @@ pub(super) type ComplexMatrix = DMatrix<Complex<f64>>;
 const SWEEPS_PER_ROW: usize = 60;
 
 /// The condition number of an eigenvalue up to which vectors are taken for a basis.
-const WORST_CONDITION: f64 = 1e6;
+pub(super) const WORST_CONDITION: f64 = 1e6;
 
 /// The eigenvalues of `z' = A z` with `z = (q, q')`, and their right and left vectors: `W A V = diag(lambda)`, `W V = 1`.
 pub(super) struct Eigenbasis {
@@ -27,9 +27,15 @@ pub(super) struct Eigenbasis {
 impl Eigenbasis {
     /// The basis of a problem; `None` if there is none, or one so skew that it says little about what is near.
     pub(super) fn new(problem: &Quadratic) -> Option<Self> {
+        let (basis, conditions) = Self::with_conditions(problem)?;
+        conditions.into_iter().all(|condition| condition <= WORST_CONDITION).then_some(basis)
+    }
+
+    /// The basis of a problem and the condition numbers of its eigenvalues; `None` if there is none.
+    pub(super) fn with_conditions(problem: &Quadratic) -> Option<(Self, Vec<f64>)> {
         let companion = problem.companion();
         let (states, size) = (companion.nrows(), companion.nrows() / 2);
-        if companion.iter().any(|value| !value.is_finite()) {
+        if states == 0 || companion.iter().any(|value| !value.is_finite()) {
             return None;
         }
         let (schur_vectors, triangle) = Schur::try_new(companion, f64::EPSILON, SWEEPS_PER_ROW * states)?.unpack();
@@ -38,16 +44,14 @@ impl Eigenbasis {
         let inverse = vectors.clone().lu().try_inverse()?;
         let length =
             |values: &mut dyn Iterator<Item = Complex<f64>>| values.map(|value| value.norm_sqr()).sum::<f64>().sqrt();
-        let is_skew = (0..states).any(|i| {
-            let condition =
-                length(&mut inverse.row(i).iter().copied()) * length(&mut vectors.column(i).iter().copied());
-            condition.is_nan() || condition > WORST_CONDITION
-        });
-        (!is_skew).then(|| Self {
+        let condition =
+            |i: usize| length(&mut inverse.row(i).iter().copied()) * length(&mut vectors.column(i).iter().copied());
+        let basis = Self {
             eigenvalues: triangle.diagonal().iter().copied().collect(),
             right: Split::new(&vectors.rows(0, size).into_owned()),
             left: Split::new(&inverse.columns(size, size).into_owned()),
-        })
+        };
+        Some((basis, (0..states).map(condition).collect()))
     }
 
     /// What a unit of a coefficient changes, in this basis: `W (dA / dc) V`.

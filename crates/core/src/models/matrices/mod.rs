@@ -10,9 +10,13 @@ pub mod pair;
 
 pub mod branches;
 
+pub mod interval;
+
 pub mod sweep;
 
 pub mod terms;
+
+mod rigid_body;
 
 pub mod quadratic;
 
@@ -41,6 +45,8 @@ pub mod full;
 pub mod problem;
 
 pub mod recorded;
+
+mod limit_branch;
 
 mod samples;
 

@@ -9,6 +9,7 @@ use super::region::Region;
 use super::samples::Samples;
 use super::sweep::Sweep;
 use super::terms::{Matrices, OverParameter, Parameter};
+use crate::model::critical_values::{INTERVALS, evenly};
 use crate::model::quantity::{Limits, Quantity};
 use crate::model::recorded::RecordedResult;
 use crate::model::{Configuration, Model, ModelError};
@@ -20,6 +21,8 @@ pub struct ComplexEigenvalue {
     pub bands: Vec<[f64; 2]>,
     /// Pairs in a band are unstable with damping ratios below it.
     pub damping_ratio: f64,
+    /// Whether the double zero eigenvalues of rigid-body motions count, which rounding makes stable or unstable.
+    pub counts_rigid_body_motions: bool,
 }
 
 impl ComplexEigenvalue {
@@ -42,11 +45,16 @@ pub const BAND: &str = "band";
 /// Coordinates from which on a sample takes long.
 const SLOW: usize = 40;
 
+/// Coordinates from which on it takes more than 10 milliseconds by all eigenvalues.
+const VERY_SLOW: usize = 200;
+
 /// A model given by matrices, with its criterion.
 #[derive(Debug, Clone)]
 pub struct MatrixModel {
     matrices: Arc<Matrices>,
     problem: Problem,
+    /// Left out of the problem: displacements of the degrees of freedom.
+    rigid_body_motions: Vec<Vec<f64>>,
     criterion: ComplexEigenvalue,
     quantities: Vec<Quantity>,
     /// Parameters in the order in which integrals prefer them, some of them repeatedly.
@@ -62,10 +70,23 @@ impl MatrixModel {
     /// # Errors
     /// As [`Problem::new`].
     pub fn new(matrices: Arc<Matrices>, criterion: ComplexEigenvalue, solver: Solver) -> Result<Self, ProblemError> {
-        let problem = Problem::new(&matrices, solver)?;
+        let mut problem = Problem::new(&matrices, solver)?;
+        let mut rigid_body_motions = Vec::new();
+        if !criterion.counts_rigid_body_motions {
+            (problem, rigid_body_motions) = problem.without_rigid_body_motions();
+        }
         let quantities = quantities(&matrices.parameters, criterion.bands.len());
         let integrated = matrices.integrated();
-        Ok(Self { matrices, problem, criterion, quantities, integrated, recorded: Vec::new(), described: Vec::new() })
+        Ok(Self {
+            matrices,
+            problem,
+            rigid_body_motions,
+            criterion,
+            quantities,
+            integrated,
+            recorded: Vec::new(),
+            described: Vec::new(),
+        })
     }
 
     /// The same, which records these results, each once and in the order of [`PairResult`]. Only with dense matrices.
@@ -102,19 +123,27 @@ impl MatrixModel {
         &self.problem
     }
 
+    /// The rigid-body motions that are left out, each as displacements of all degrees of freedom; with dense matrices.
+    #[must_use]
+    pub fn rigid_body_motions(&self) -> &[Vec<f64>] {
+        &self.rigid_body_motions
+    }
+
     /// The regions of the bands, rad/s.
     #[must_use]
     pub fn regions(&self) -> Vec<Region> {
         self.criterion.regions(0)
     }
 
-    /// Where the number of unstable pairs of each band changes over the parameter at `place`, with these values of the others.
+    /// Where the number of unstable eigenvalues of each band changes over the parameter at `place`, with these values of the
+    /// others.
     ///
     /// # Errors
     /// As [`Problem::sweep`].
     pub fn sweeps(&self, parameters: &[f64], place: usize, within: [f64; 2]) -> Result<Vec<Sweep>, Error> {
         let path = OverParameter { matrices: &self.matrices, values: parameters, place };
-        self.regions().iter().map(|region| self.problem.sweep(&path, region, within)).collect()
+        let places = evenly(within, INTERVALS);
+        self.regions().iter().map(|region| self.problem.sweep(&path, region, &places)).collect()
     }
 
     /// The expected values of all quantities, where nothing else is said.
@@ -173,6 +202,10 @@ impl Model for MatrixModel {
 
     fn has_slow_samples(&self) -> bool {
         self.matrices.size() >= SLOW
+    }
+
+    fn has_very_slow_samples(&self) -> bool {
+        matches!(self.problem, Problem::Sparse(_)) || self.matrices.size() >= VERY_SLOW
     }
 
     /// That of friction, as far as it can be told.

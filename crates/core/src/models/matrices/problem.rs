@@ -19,10 +19,10 @@ use crate::model::critical_values::{Memory, UnstableValues};
 use crate::numerics::eigenvalues::Eigenvalue;
 
 /// How sweeps with dense matrices look for changes, for which a place costs little.
-const DENSE_STEPS: Steps = Steps { first: 8, halvings: 30 };
+const DENSE_STEPS: Steps = Steps { joined: 1, halvings: 44, most: 4000 };
 
 /// How those with sparse matrices do.
-const SPARSE_STEPS: Steps = Steps { first: 4, halvings: 10 };
+const SPARSE_STEPS: Steps = Steps { joined: 3, halvings: 44, most: 300 };
 
 /// With which matrices eigenvalues are found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -74,6 +74,15 @@ impl Problem {
         }
     }
 
+    /// The problem without its rigid-body motions, and these, as displacements of all degrees of freedom. Those of sparse
+    /// matrices stay.
+    #[must_use]
+    pub fn without_rigid_body_motions(self) -> (Self, Vec<Vec<f64>>) {
+        let Self::Dense(problem) = self else { return (self, Vec::new()) };
+        let (rest, motions) = Arc::unwrap_or_clone(problem).without_rigid_body_motions();
+        (Self::Dense(Arc::new(rest)), motions.into_iter().map(|motion| motion.data.into()).collect())
+    }
+
     /// rad/s of the unit of frequency in which its own eigenvalues are.
     #[must_use]
     pub fn unit(&self) -> f64 {
@@ -107,25 +116,26 @@ impl Problem {
         }
     }
 
-    /// Where the number of unstable pairs of a region, in rad/s, changes along a path.
+    /// Where the number of unstable eigenvalues of a region, in rad/s, changes along a path between the first and the last of
+    /// some places.
     ///
     /// # Errors
     /// [`Error`], if pairs are not found.
-    pub fn sweep(&self, path: &dyn Path, region: &Region, within: [f64; 2]) -> Result<Sweep, Error> {
-        let sweep = self.along(path).sweep(&region.in_unit(self.unit()), within, self.steps())?;
+    pub fn sweep(&self, path: &dyn Path, region: &Region, places: &[f64]) -> Result<Sweep, Error> {
+        let sweep = self.along(path).sweep(&region.in_unit(self.unit()), places, self.steps())?;
         Ok(sweep.with_eigenvalues_times(self.unit()))
     }
 
-    /// The values of the parameter of a path at which there is an unstable pair of a region, in rad/s; `None` if `memory` ends
-    /// the search or pairs are not found.
+    /// The values of the parameter of a path between the first and the last of some places at which there is an unstable
+    /// eigenvalue of a region, in rad/s; `None` if `memory` ends the search or pairs are not found.
     pub fn unstable_values(
         &self,
         path: &dyn Path,
         region: &Region,
-        within: [f64; 2],
+        places: &[f64],
         memory: &dyn Memory,
     ) -> Option<UnstableValues> {
-        self.along(path).unstable_values(&region.in_unit(self.unit()), within, self.steps(), memory)
+        self.along(path).unstable_values(&region.in_unit(self.unit()), places, self.steps(), memory)
     }
 
     fn steps(&self) -> Steps {

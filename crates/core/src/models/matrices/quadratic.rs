@@ -3,6 +3,7 @@
 use nalgebra::{Complex, DMatrix, DVector};
 use thiserror::Error;
 
+use super::rigid_body::without_free;
 use crate::numerics::eigenvalues::{Eigenvalue, EigenvalueError, eigenvalues};
 
 /// `(lambda^2 M + lambda C + K) q = 0` with `C = sum_i c_i C_i` and `K = sum_j k_j K_j`, the c_i and k_j being
@@ -18,6 +19,8 @@ pub struct DenseQuadratic {
     damping_terms: usize,
     /// rad/s of the unit of frequency.
     unit: f64,
+    /// What a coordinate moves in those of the given matrices, as columns.
+    displacements: DMatrix<f64>,
 }
 
 /// Why there is no such problem.
@@ -72,7 +75,22 @@ impl DenseQuadratic {
         for (i, term) in terms.iter_mut().enumerate() {
             *term /= if i < damping.len() { unit } else { unit * unit };
         }
-        Ok(Self { terms, damping_terms: damping.len(), unit })
+        let mut displacements = DMatrix::identity(scales.len(), scales.len());
+        factor.tr_solve_lower_triangular_mut(&mut displacements);
+        for (mut row, scale) in displacements.row_iter_mut().zip(&scales) {
+            row *= *scale;
+        }
+        Ok(Self { terms, damping_terms: damping.len(), unit, displacements })
+    }
+
+    /// The problem without its rigid-body motions, which no stiffness and no damping holds, whatever the coefficients: each
+    /// has two eigenvalues that are zero. With these motions, as displacements of the given coordinates.
+    #[must_use]
+    pub fn without_rigid_body_motions(self) -> (Self, Vec<DVector<f64>>) {
+        let (terms, motions) = without_free(self.terms);
+        let motions = &self.displacements * motions;
+        let motions = motions.column_iter().map(nalgebra::Matrix::into_owned).collect();
+        (Self { terms, ..self }, motions)
     }
 
     /// The number of coordinates.

@@ -6,6 +6,10 @@ use crate::numerics::eigenvalues::Eigenvalue;
 /// whose damping ratio is zero, makes none unstable.
 pub const RESOLUTION: f64 = 1e-9;
 
+/// Eigenvalues near the real axis that grow by no more than this do so by rounding alone, as the zero of a motion that only damping holds; in the unit of the
+/// eigenvalues.
+pub const ZERO: f64 = 1e-10;
+
 /// `|z|`.
 #[must_use]
 pub(super) fn magnitude(z: Eigenvalue) -> f64 {
@@ -50,10 +54,11 @@ impl Region {
         self.lowest <= frequency && frequency <= self.highest
     }
 
-    /// Whether a pair with this eigenvalue is unstable.
+    /// Whether an eigenvalue is unstable: of a pair by its damping ratio, a real one if it grows.
     #[must_use]
     pub fn contains(&self, eigenvalue: Eigenvalue) -> bool {
-        self.has_frequency_of(eigenvalue) && damping_ratio(eigenvalue) < self.damping_ratio - RESOLUTION
+        let grows = eigenvalue.im.abs() > ZERO || eigenvalue.re > ZERO;
+        grows && self.has_frequency_of(eigenvalue) && damping_ratio(eigenvalue) < self.damping_ratio - RESOLUTION
     }
 
     /// A lower bound of the distance of an eigenvalue from all that are unstable, rad/s; zero if it may be one.

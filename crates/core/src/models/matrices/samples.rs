@@ -4,12 +4,13 @@ use std::any::Any;
 use std::sync::{Arc, OnceLock};
 
 use super::decide::Decider;
+use super::limit_branch::limit_states;
 use super::problem::Problem;
 use super::recorded::PairResult;
 use super::region::{RESOLUTION, Region, excess};
 use super::series::ModeSeries;
 use super::terms::{Matrices, OverParameter, Term};
-use crate::model::critical_values::{CriticalValues, Memory, UnstableValues};
+use crate::model::critical_values::{CriticalValues, Memory, UnstableValues, within};
 use crate::model::decision::Decision;
 use crate::model::quantity::Limits;
 use crate::model::recorded::{NOTHING, RecordedValues};
@@ -202,6 +203,23 @@ impl Configuration for Samples {
         Some((0..samples.len()).map(state).collect())
     }
 
+    /// One for each pair, with dense matrices.
+    fn limit_branches(&self) -> usize {
+        match &self.shared.problem {
+            Problem::Dense(problem) => problem.size(),
+            Problem::Sparse(_) => 0,
+        }
+    }
+
+    fn limit_branch(&self, branch: usize, samples: &Columns<'_>) -> Option<Vec<f64>> {
+        let Problem::Dense(problem) = &self.shared.problem else { return None };
+        let state = |sample: usize| {
+            let values = problem.at(&self.coefficients(samples, sample)).eigenvalues().ok()?;
+            limit_states(&values, &self.shared.scaled).get(branch).copied()
+        };
+        Some((0..samples.len()).map(|sample| state(sample).unwrap_or(f64::NAN)).collect())
+    }
+
     fn critical_values(&self) -> Option<&dyn CriticalValues> {
         Some(self)
     }
@@ -219,23 +237,22 @@ impl Configuration for Samples {
 
 impl CriticalValues for Samples {
     /// Values beyond the range of the parameter are outside the model, and not unstable.
-    fn unstable(&self, values: &[f64], place: usize, within: [f64; 2], memory: &dyn Memory) -> Option<UnstableValues> {
+    fn unstable(&self, values: &[f64], place: usize, places: &[f64], memory: &dyn Memory) -> Option<UnstableValues> {
         let Shared { matrices, problem, regions, expected, varying, .. } = &*self.shared;
         let mut complete = expected.clone();
         varying.iter().zip(values).for_each(|(&place, value)| complete[place] = *value);
         let place = *varying.get(place)?;
         let range = matrices.parameters.get(place)?.range;
-        let within = [within[0].max(range.minimum), within[1].min(range.maximum)];
-        if within.iter().any(|end| !end.is_finite()) {
-            return None;
-        }
-        if within[1] <= within[0] {
+        let Some(places) = within(places, [range.minimum, range.maximum]) else {
             return Some(UnstableValues::default());
+        };
+        if places.iter().any(|place| !place.is_finite()) {
+            return None;
         }
         let path = OverParameter { matrices, values: &complete, place };
         let mut all = UnstableValues::default();
         for region in regions {
-            all = all.or(&problem.unstable_values(&path, region, within, memory)?);
+            all = all.or(&problem.unstable_values(&path, region, &places, memory)?);
         }
         Some(all)
     }

@@ -1,7 +1,7 @@
 //! The modes of a model given by matrices at one point, and what each parameter does to them.
 
 use serde_json::{Map, Value, json};
-use stickslip_core::model::critical_values::NoMemory;
+use stickslip_core::model::critical_values::{INTERVALS, NoMemory, evenly};
 use stickslip_core::model::quantity::Limits;
 use stickslip_core::models::matrices::modes::Mode;
 use stickslip_core::models::matrices::region::Region;
@@ -48,7 +48,7 @@ impl CriticalValue {
         let end = |given: f64, else_from: f64| if given.is_finite() { given } else { else_from };
         let within = [end(range.minimum, ends[0]), end(range.maximum, ends[1])];
         let configuration = job.model().configure(values, &[place], None).ok()?;
-        let unstable = configuration.critical_values()?.unstable(&[value], 0, within, &NoMemory)?;
+        let unstable = configuration.critical_values()?.unstable(&[value], 0, &evenly(within, INTERVALS), &NoMemory)?;
         let inside = |end: &f64| within[0] < *end && *end < within[1];
         // Halfway between where it surely and where it possibly is unstable.
         let possible = |end: f64, which: usize| {

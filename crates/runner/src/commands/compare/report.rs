@@ -29,6 +29,8 @@ const SIGNS: [(f64, char); 5] = [(0.1, '#'), (0.01, '+'), (-0.01, ' '), (-0.1, '
 struct Facts<'a> {
     cells: usize,
     paired: usize,
+    /// Cells in which one run or both have no probability.
+    without: usize,
     /// Means over the cells with a difference.
     mean: Option<f64>,
     mean_absolute: Option<f64>,
@@ -51,6 +53,7 @@ impl<'a> Facts<'a> {
         let sum = |value: fn(&Row) -> u64| rows.iter().map(value).sum();
         Self {
             cells: rows.len(),
+            without: rows.len() - count,
             paired: rows.iter().filter(|row| row.interval == Interval::Paired).count(),
             mean: mean(&mut known().map(|(value, _)| value)),
             mean_absolute: mean(&mut known().map(|(value, _)| value.abs())),
@@ -81,17 +84,25 @@ pub fn summary(differences: &Differences<'_>, meaning: &str) -> String {
         counted(facts.cells as u128, "cell", "cells"),
         HumanCount(facts.paired as u64)
     );
-    let unknown = || "no sample was decided".to_owned();
+    if facts.without > 0 {
+        text += &format!(
+            "left out          {} without a probability in one run or both\n",
+            counted(facts.without as u128, "cell", "cells")
+        );
+    }
+    let unknown = || "no cell has a probability in both runs".to_owned();
     let mean = facts.mean.zip(facts.mean_absolute);
-    let mean = mean.map_or_else(unknown, |(mean, absolute)| format!("{mean:+.5}, of its absolute value {absolute:.5}"));
+    let mean = mean.map_or_else(unknown, |(mean, absolute)| {
+        format!("{}, of its absolute value {}", signed(mean), &signed(absolute)[1..])
+    });
     text += &format!("mean difference   {mean}\n");
     let largest = facts.largest.map_or_else(unknown, |row| {
         let difference = row.difference;
         format!(
-            "{:+.5} ({:+.5} to {:+.5}, {}) in cell {}: {}",
-            difference.value.unwrap_or(0.0),
-            difference.low,
-            difference.high,
+            "{} ({} to {}, {}) in cell {}: {}",
+            signed(difference.value.unwrap_or(0.0)),
+            signed(difference.low),
+            signed(difference.high),
             row.interval.name(),
             row.cell.index,
             place(differences, row)
@@ -164,6 +175,15 @@ fn largest_as_json(differences: &Differences<'_>, row: &Row) -> Value {
     largest
 }
 
+/// A difference with its sign: one of rare events has as many digits as others.
+fn signed(difference: f64) -> String {
+    if difference == 0.0 || difference.abs() >= 1e-3 {
+        format!("{difference:+.5}")
+    } else {
+        format!("{difference:+.5e}")
+    }
+}
+
 /// A share in per cent. A share of zero differs from one that rounds to zero.
 fn percent(share: f64) -> String {
     let percent = 100.0 * share;
@@ -185,6 +205,7 @@ pub fn json(compared: &[Differences<'_>], confidence: f64, simultaneous: bool) -
             "second": differences.second,
             "cells": facts.cells,
             "cells_paired": facts.paired,
+            "cells_without_difference": facts.without,
             "confidence": confidence,
             "simultaneous": simultaneous,
             "mean_difference": facts.mean,

@@ -46,7 +46,8 @@ pub fn limit(arguments: &LimitArguments, interrupt: &Interrupt) -> Result<(), Fa
         kept.into_iter().for_each(KeptBeside::forget);
         announce(Code::FileWritten, format_args!("{}: {} rows", out.display(), HumanCount(found.rows.len() as u64)));
     }
-    result(&if *json { format!("{:#}\n", found.json()) } else { found.text() })
+    result(&if *json { format!("{:#}\n", found.json()) } else { found.text() })?;
+    found.contradiction().map_or(Ok(()), |why| Err(Failure::Audit(why)))
 }
 
 /// The name of the axis and the targets: those of the options, or of the table `[limit]`.

@@ -4,54 +4,71 @@ use super::search::{Tiles, Wanted};
 use crate::failure::{Advice, Failure};
 use crate::files::table::encoded_table;
 use crate::interrupt::Interrupt;
-use crate::job::{Job, JobSource, LimitAxis, LimitMethod};
+use crate::job::{Job, JobSource, LimitAxis, LimitMethod, LimitRequest};
 use crate::output::{quoted, shown};
 use crate::picture::view::rounded;
 use crate::schedule::engine::Engine;
 use crate::store::directory::RunDirectory;
 use crate::store::file_state::{FileState, state_of};
 use crate::store::layout::{LIMIT_SEARCHES, LIMITS, MAPS};
-use crate::tables::limits::FinishedLimits;
+use crate::tables::limits::{FinishedLimits, RunLimits};
 
-/// Writes the limits that the job of a finished run asks for, unless they are there. A line on them, if there are any.
+/// Writes the limits that the job of a finished run asks for, unless they are there.
 pub fn publish_limits(
     directory: &RunDirectory,
     job: &Job,
     engine: &Engine,
     interrupt: &Interrupt,
-) -> Result<Option<String>, Failure> {
+) -> Result<Option<RunLimits>, Failure> {
     let Some(request) = &job.limit else { return Ok(None) };
     let path = directory.path().join(LIMITS);
-    if check_limits(directory, job)? != Some(FileState::Sound) {
-        let (axis, method) = checked(job, &request.of)?;
-        let wanted = Wanted { job, axis: &axis, method, targets: &request.targets };
-        let maps = match method {
-            LimitMethod::MapIntegral => Some(directory.create_folder(MAPS)?),
-            _ => None,
-        };
-        let tiles = Tiles { known: maps.as_ref(), keep: maps.as_ref() };
-        let resume = format!("stickslip resume {}", quoted(directory.path()));
-        let stopped =
-            Advice::command("the surface is written, and what was found of the limits is kept; continue with", &resume);
-        let searches = directory.searches_of(LIMIT_SEARCHES, wanted.searches_of())?;
-        let found = wanted.find(engine, tiles, interrupt, &stopped, Some(&searches))?;
-        let bytes = encoded_table(&found.table(), &found.footer());
-        directory.publish(LIMITS, &bytes.map_err(|error| Failure::writing(&path, error))?)?;
-    }
+    let contradiction = match sound_limits(directory, job, request)? {
+        Ok(known) => known.contradiction(job),
+        Err(_) => {
+            let (axis, method) = checked(job, &request.of)?;
+            let wanted = Wanted { job, axis: &axis, method, targets: &request.targets };
+            let maps = match method {
+                LimitMethod::MapIntegral => Some(directory.create_folder(MAPS)?),
+                _ => None,
+            };
+            let tiles = Tiles { known: maps.as_ref(), keep: maps.as_ref() };
+            let resume = format!("stickslip resume {}", quoted(directory.path()));
+            let what_is_kept = "the surface is written, and what was found of the limits is kept; continue with";
+            let stopped = Advice::command(what_is_kept, &resume);
+            let searches = directory.searches_of(LIMIT_SEARCHES, wanted.searches_of())?;
+            let found = wanted.find(engine, tiles, interrupt, &stopped, Some(&searches))?;
+            let bytes = encoded_table(&found.table(), &found.footer());
+            directory.publish(LIMITS, &bytes.map_err(|error| Failure::writing(&path, error))?)?;
+            found.contradiction()
+        }
+    };
     directory.forget_searches(LIMIT_SEARCHES);
     let targets: Vec<String> = request.targets.iter().map(|&target| rounded(target)).collect();
-    Ok(Some(format!("{}: limits of {} at P = {}\n", shown(&path), request.of, targets.join(", "))))
+    let line = format!("{}: limits of {} at P = {}\n", shown(&path), request.of, targets.join(", "));
+    Ok(Some(RunLimits { line, contradiction }))
 }
 
 /// The state of the limits that a job asks for, if it does.
 pub fn check_limits(directory: &RunDirectory, job: &Job) -> Result<Option<FileState>, Failure> {
     let Some(request) = &job.limit else { return Ok(None) };
+    Ok(Some(sound_limits(directory, job, request)?.map_or_else(|state| state, |_| FileState::Sound)))
+}
+
+/// The limits that a job asks for, as they were written; what there is of them where they are not.
+fn sound_limits(
+    directory: &RunDirectory,
+    job: &Job,
+    request: &LimitRequest,
+) -> Result<Result<FinishedLimits, FileState>, Failure> {
     let (axis, method) = checked(job, &request.of)?;
     let wanted = Wanted { job, axis: &axis, method, targets: &request.targets };
     let state = state_of(directory.root(), LIMITS, &wanted.nothing_found().footer())?;
+    if state != FileState::Sound {
+        return Ok(Err(state));
+    }
     // Without its digest, damage shows where it is read.
-    let is_unreadable = state == FileState::Sound && FinishedLimits::read(directory.path(), job).is_err();
-    Ok(Some(if is_unreadable { FileState::Damaged("it cannot be read".to_owned()) } else { state }))
+    let read = FinishedLimits::read(directory.path(), job).ok().flatten();
+    Ok(read.ok_or_else(|| FileState::Damaged("it cannot be read".to_owned())))
 }
 
 /// The axis of a request and how its limits are found. Both were checked with the job.

@@ -2,17 +2,25 @@
 
 use serde_json::{Value, json};
 use stickslip_core::model::quantity::Role;
+use stickslip_sampler::estimate::audit::PlainSamples;
+use stickslip_sampler::estimate::interval::Estimate;
 use stickslip_sampler::limits::{Limit, State};
 
+use crate::evaluate::limits_found::Beside;
 use crate::files::table::{TableColumn, TableValues};
 use crate::job::{Job, LimitAxis, LimitMethod};
 use crate::output::{aligned, counted, wrapped};
 use crate::picture::view::{GridView, rounded, scatter};
 use crate::tables::cell_columns::{CellColumn, always_shown, axes, shown_of_configurations};
+use crate::tables::limits::contradiction;
+use crate::tables::row::CONTRADICTED;
 use crate::tables::surface::footer;
 
 /// Largest number of rows at the terminal.
 const MOST_ROWS: usize = 200;
+
+/// With which confidence plain samples exclude that something was missed.
+const CONFIDENCE: f64 = 0.95;
 
 /// A limit of one combination of the other axes, or that there is none.
 #[derive(Debug, Clone, Copy)]
@@ -23,8 +31,22 @@ pub struct Row {
     pub target: f64,
     /// What was found.
     pub limit: Limit,
-    /// The probabilities at the smallest and the largest value of the axis.
-    pub ends: [Option<f64>; 2],
+    /// The probability there, if it has a value.
+    pub beside: Option<Beside>,
+    /// Those at the smallest and the largest value of the axis.
+    pub ends: [Beside; 2],
+}
+
+impl Row {
+    /// What plain samples may be beside: the limit, and both ends.
+    fn places(&self) -> [Option<Beside>; 3] {
+        [self.beside, Some(self.ends[0]), Some(self.ends[1])]
+    }
+
+    /// Whether plain samples contradict a probability at one of these.
+    pub fn is_contradicted(&self) -> bool {
+        self.places().iter().flatten().any(Beside::is_contradicted)
+    }
 }
 
 /// Everything that was found, and how.
@@ -77,8 +99,9 @@ impl Found<'_> {
             let mut line: Vec<String> = others.iter().map(|other| rounded(self.value(other, row.cell))).collect();
             line.extend([rounded(row.target), number(row.limit.value)]);
             line.extend(bounds_shown.clone().map(bound));
-            line.push(word(row.limit.state).to_owned());
-            line.extend(row.ends.map(|p| p.map_or_else(|| "-".to_owned(), probability)));
+            let contradicted = if row.is_contradicted() { ", contradicted" } else { "" };
+            line.push(format!("{}{contradicted}", word(row.limit.state)));
+            line.extend(row.ends.map(|end| end.estimate.probability.map_or_else(|| "-".to_owned(), probability)));
             lines.push(line);
         }
         let mut text = wrapped(&title) + "\n" + &aligned(&lines);
@@ -116,6 +139,7 @@ impl Found<'_> {
             method += &format!(" Limits are sought between {scanned} values of {name}.");
         }
         lines.push(method);
+        lines.extend(self.audit());
         lines.join("\n")
     }
 
@@ -175,10 +199,71 @@ impl Found<'_> {
             real("limit_high", unit, "upper end of the interval of the limit", &|row| {
                 row.limit.bounds.map(|bounds| bounds[1])
             }),
-            real("p_from", "1", "probability of instability at the smallest value of the axis", &|row| row.ends[0]),
-            real("p_to", "1", "probability of instability at the largest value of the axis", &|row| row.ends[1]),
+            real("p_from", "1", "probability of instability at the smallest value of the axis", &|row| {
+                row.ends[0].estimate.probability
+            }),
+            real("p_to", "1", "probability of instability at the largest value of the axis", &|row| {
+                row.ends[1].estimate.probability
+            }),
         ]);
+        if self.job.plain_samples() > 0 {
+            let counts = |place: usize, count: fn(&PlainSamples) -> u64| {
+                let of =
+                    |row: &Row| row.places()[place].and_then(|beside| beside.plain).map_or(0, |plain| count(&plain));
+                TableValues::Integer(rows.iter().map(of).collect())
+            };
+            for (place, (end, at)) in [
+                ("", "at the limit; 0 without one"),
+                ("_from", "at the smallest value"),
+                ("_to", "at the largest value"),
+            ]
+            .into_iter()
+            .enumerate()
+            {
+                let samples = format!("plain samples {at}");
+                columns.push(column(format!("n_audit{end}"), "1", samples, counts(place, |plain| plain.decided)));
+                let unstable = format!("unstable ones among the plain samples {at}");
+                let name = format!("n_audit_unstable{end}");
+                columns.push(column(name, "1", unstable, counts(place, |plain| plain.unstable)));
+            }
+            let why = |row: &Row| if row.is_contradicted() { CONTRADICTED } else { 0 };
+            let reasons = TableValues::Integer(rows.iter().map(why).collect());
+            let meaning = "5: plain samples contradict the probability at the limit or at an end of the axis; else 0";
+            columns.push(column("distrust".to_owned(), "1", meaning.to_owned(), reasons));
+        }
         columns
+    }
+
+    /// A line on what plain samples exclude, or contradict.
+    fn audit(&self) -> Option<String> {
+        let samples = self.job.plain_samples();
+        if samples == 0 || self.rows.is_empty() {
+            return None;
+        }
+        let beside =
+            format!("{} at each limit and at both ends", counted(samples.into(), "plain sample", "plain samples"));
+        let contradicted = self.contradicted();
+        if contradicted > 0 {
+            return Some(format!("{beside} contradict {contradicted} of {} rows.", self.rows.len()));
+        }
+        let missed = |place: &Beside| {
+            let Estimate { low, high, .. } = place.estimate;
+            place.plain.map_or(0.0, |plain| plain.largest_missed([low, high], CONFIDENCE))
+        };
+        let all = self.rows.iter().flat_map(Row::places).flatten();
+        let most = all.map(|place| missed(&place)).fold(0.0, f64::max);
+        Some(format!("{beside}: no region of more than {most:.1e} was missed there."))
+    }
+
+    /// The rows that plain samples contradict.
+    pub fn contradicted(&self) -> usize {
+        self.rows.iter().filter(|row| row.is_contradicted()).count()
+    }
+
+    /// What is said where plain samples contradict limits; nothing where they do not.
+    pub fn contradiction(&self) -> Option<String> {
+        let contradicted = self.contradicted();
+        (contradicted > 0).then(|| contradiction(self.job, &self.axis.name, [contradicted, self.rows.len()]))
     }
 
     /// What the file says beside its columns.

@@ -9,8 +9,8 @@ use stickslip_sampler::integrate::verdict_map::MapRegions;
 use super::report::{Found, Row};
 use crate::evaluate::evaluator::Evaluator;
 use crate::evaluate::limits::{LimitSearch, scanned};
+use crate::evaluate::limits_found::{CombinationLimits, Ended};
 use crate::evaluate::remembering::Keeper;
-use crate::evaluate::weighted_limits::{CombinationLimits, Ended};
 use crate::failure::{Advice, Failure};
 use crate::files::folder::Folder;
 use crate::interrupt::Interrupt;
@@ -95,7 +95,8 @@ impl<'a> Wanted<'a> {
 
     fn rows(self, cell: u64, found: &CombinationLimits) -> Vec<Row> {
         let of_target = |(&target, limits): (&f64, &Vec<_>)| {
-            limits.iter().map(|&limit| Row { cell, target, limit, ends: found.ends }).collect::<Vec<Row>>()
+            let row = |&(limit, beside)| Row { cell, target, limit, beside, ends: found.ends };
+            limits.iter().map(row).collect::<Vec<Row>>()
         };
         self.targets.iter().zip(&found.of_targets).flat_map(of_target).collect()
     }

@@ -23,7 +23,7 @@ impl Method for Conditional {
     }
 
     fn keys(&self) -> &'static [Key] {
-        &[Key::Samples, Key::Randomisations, Key::CommonRandomNumbers, Key::Confidence, Key::Simultaneous]
+        &[Key::Samples, Key::Audit, Key::Randomisations, Key::CommonRandomNumbers, Key::Confidence, Key::Simultaneous]
     }
 
     fn needs(&self) -> &'static [Need] {

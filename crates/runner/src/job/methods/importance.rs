@@ -44,6 +44,7 @@ impl Method for Importance {
     fn keys(&self) -> &'static [Key] {
         &[
             Key::Samples,
+            Key::Audit,
             Key::Randomisations,
             Key::Particles,
             Key::CommonRandomNumbers,

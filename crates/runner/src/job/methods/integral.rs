@@ -40,9 +40,9 @@ impl Method for Integral {
 
     fn keys(&self) -> &'static [Key] {
         match self.over {
-            Over::ClosedForm => &[Key::Derivatives],
+            Over::ClosedForm => &[Key::Audit, Key::Derivatives],
             Over::Map => &[Key::Audit, Key::Confidence, Key::Simultaneous, Key::Derivatives],
-            Over::OneInput => &[],
+            Over::OneInput => &[Key::Audit],
         }
     }
 

@@ -23,7 +23,7 @@ impl Method for Subset {
     }
 
     fn keys(&self) -> &'static [Key] {
-        &[Key::Randomisations, Key::Particles, Key::CommonRandomNumbers, Key::Confidence, Key::Simultaneous]
+        &[Key::Audit, Key::Randomisations, Key::Particles, Key::CommonRandomNumbers, Key::Confidence, Key::Simultaneous]
     }
 
     fn needs(&self) -> &'static [Need] {

@@ -54,7 +54,8 @@ impl Parts<'_> {
             stiffness: terms(&self.stiffness)?,
             parameters: self.parameters.iter().map(parameter).collect(),
         };
-        let criterion = ComplexEigenvalue { bands: vec![self.band], damping_ratio: 0.0 };
+        let criterion =
+            ComplexEigenvalue { bands: vec![self.band], damping_ratio: 0.0, counts_rigid_body_motions: false };
         MatrixModel::new(Arc::new(matrices), criterion, self.solver).map_err(|error| wrong(error.to_string()))
     }
 

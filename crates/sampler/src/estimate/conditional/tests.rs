@@ -249,3 +249,22 @@ fn sums_are_those_of_probabilities() {
     }
     assert!(!ProbabilitySums::can_be(&sound[..3], 2));
 }
+
+/// Points of one probability: the interval reaches as far as a region could that none of them met.
+#[test]
+fn points_that_are_all_alike_leave_room_for_what_none_met() {
+    for p in [2.867e-7, 0.3, 1.0 - 1e-9] {
+        let parts: Vec<ConditionalPart> = (0..16).map(|_| part(&[p; 625], 0)).collect();
+        let Estimate { low, high, .. } = estimate(&parts, 0.95);
+        // None of 10,000 has a probability of a fortieth.
+        let unmet = 1.0 - 0.025_f64.powf(1e-4);
+        assert!((high - (p + unmet * (1.0 - p))).abs() < 1e-9, "{p}: {high}");
+        // Next to 1 few points of stability matter, which widens it further.
+        assert!(low < p * (1.0 - unmet) + 1e-9 && (p > 0.9 || low > p * (1.0 - unmet) - 1e-9), "{p}: {low}");
+        // One other point is evidence.
+        let mut other = parts.clone();
+        other[3] = part(&[&[p; 624][..], &[0.5 * p]].concat(), 0);
+        let scattered = estimate(&other, 0.95);
+        assert!((p - 0.3).abs() > 0.1 || scattered.high < high, "{p}: {scattered:?}");
+    }
+}

@@ -21,7 +21,8 @@
 //! | [`reduction`] | a basis for a range of parameters, and the reduced matrices |
 //! | [`audit`] | reduced pairs made full; modes that a reduction misses |
 //!
-//! faer factorises. It picks instructions by the processor, so the last bits of vectors differ between processors.
+//! faer factorises. It picks instructions by the processor, so the last bits of vectors differ between processors: see
+//! [`has_common_instructions`].
 //! Eigenvalues are evaluated from left and right vectors together by [compensated](self) sums of plain code: errors of
 //! the vectors enter only as products, and each pair has an estimate of what is left.
 
@@ -42,6 +43,20 @@ pub mod modes;
 pub mod reduction;
 
 pub mod audit;
+
+/// Whether this processor has the instructions with which full matrices give the same bits everywhere: AVX2 and FMA of
+/// x86-64. AVX-512 changes nothing, as faer's vectors are of four numbers with it, too.
+#[must_use]
+pub fn has_common_instructions() -> bool {
+    #[cfg(target_arch = "x86_64")]
+    {
+        std::arch::is_x86_feature_detected!("avx2") && std::arch::is_x86_feature_detected!("fma")
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    {
+        false
+    }
+}
 
 #[cfg(test)]
 mod tests;

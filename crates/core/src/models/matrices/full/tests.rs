@@ -8,6 +8,7 @@ use super::audit::missing;
 use super::band::{Band, KrylovLimit};
 use super::quadratic::{Coefficients, Side, SparseQuadratic};
 use super::reduction::{Recipe, Reduced};
+use crate::model::critical_values::evenly;
 use crate::models::matrices::branches::{Branches, Followed, Line, Path, Target};
 use crate::models::matrices::error::Error;
 use crate::models::matrices::pair::{Complex, Pair};
@@ -91,7 +92,7 @@ fn companion_eigenvalues(stiffness: &DMatrix<f64>, damping: &DMatrix<f64>) -> Ve
 }
 
 /// How sweeps of these problems look for changes.
-const STEPS: Steps = Steps { first: 4, halvings: 10 };
+const STEPS: Steps = Steps { joined: 1, halvings: 30, most: 300 };
 
 fn friction(factor: f64) -> Coefficients {
     Coefficients { damping: vec![1.0], stiffness: vec![1.0, factor] }
@@ -256,13 +257,13 @@ fn two_coupled_masses_flutter_at_the_closed_form() {
         let (a3, a2, a1) = (c1 + c2, 2.0 + k22 + c1 * c2, c1 * k22 + c2 * 2.0);
         let expected = a1 * (a3 * a2 - a1) / (a3 * a3) - (2.0 * k22 - 1.0);
         let region = Region { lowest: 0.5, highest: 3.0, damping_ratio: 0.0 };
-        let sweep = along.sweep(&region, [0.2, 1.9], STEPS).unwrap();
+        let sweep = along.sweep(&region, &evenly([0.2, 1.9], 4), STEPS).unwrap();
         assert_eq!((sweep.at_start, sweep.changes.len(), &sweep.unresolved[..]), (0, 1, &[][..]), "{k22} {c1} {c2}");
         let change = &sweep.changes[0];
         assert!((change.p - expected).abs() < 1e-10, "{} {expected}", change.p);
-        assert!(change.more == 1 && matches!(change.target, Target::DampingRatio(_)));
+        assert!(change.more == 2 && matches!(change.target, Target::DampingRatio(_)));
         let intervals = sweep.intervals(0.2, 1.9);
-        assert_eq!(intervals.iter().map(|(_, count)| *count).collect::<Vec<_>>(), [Some(0), Some(1)]);
+        assert_eq!(intervals.iter().map(|(_, count)| *count).collect::<Vec<_>>(), [Some(0), Some(2)]);
     }
 }
 
@@ -274,13 +275,14 @@ fn a_sweep_finds_all_changes_of_a_chain() {
     let along: &dyn Branches = &Along { matrices: &matrices, path: &path, limit: limit(120) };
     let region = Region { lowest: 300.0, highest: 700.0, damping_ratio: 0.0 };
     let [low, high] = [2.0, 4.0];
-    let sweep = along.sweep(&region, [low, high], STEPS).unwrap();
+    let sweep = along.sweep(&region, &evenly([low, high], 4), STEPS).unwrap();
     let unstable = |p: f64| {
         chain
             .dense(&Coefficients::split(&path.coefficients(p), 1))
             .iter()
             .filter(|value| (300.0..=700.0).contains(&value.im) && damping_ratio(**value) < 0.0)
             .count()
+            * 2
     };
     assert!(sweep.changes.len() > 1, "{}", sweep.changes.len());
     for ([from, to], count) in sweep.intervals(low, high) {

@@ -47,7 +47,8 @@ fn model(
         stiffness: terms(stiffness),
         parameters: names.iter().map(parameter).collect(),
     });
-    let criterion = ComplexEigenvalue { bands: vec![[0.0, f64::INFINITY]], damping_ratio: 0.0 };
+    let criterion =
+        ComplexEigenvalue { bands: vec![[0.0, f64::INFINITY]], damping_ratio: 0.0, counts_rigid_body_motions: false };
     [Solver::Dense, Solver::Sparse].map(|solver| MatrixModel::new(matrices.clone(), criterion.clone(), solver).unwrap())
 }
 

@@ -15,6 +15,12 @@ use crate::models::pad_on_disc::rigid_disc::pad_on_disc::RandomInputs;
 /// Largest number of rounds of the search for an equilibrium; a disc of the preset's stiffness needs some twenty.
 const ROUNDS: usize = 500;
 
+/// How often the part of a round that is taken is halved.
+const MOST_HALVINGS: u32 = 5;
+
+/// Displacements so many times as large as on a rigid disc are those of rounds that diverge.
+const FARTHEST: f64 = 1e6;
+
 /// Change in a round, relative to the pad's displacements, at which an equilibrium is found.
 const FOUND: f64 = 1e-13;
 
@@ -107,6 +113,23 @@ impl FiniteDifferenceBrake {
         if inputs.preload.is_nan() || inputs.preload <= 0.0 {
             return Err(FlexibleError::NotPressed { preload: inputs.preload }.into());
         }
+        // On a soft disc whole rounds swing further and further: parts of them do not.
+        for halvings in 0..=MOST_HALVINGS {
+            let part = 1.0 / f64::from(1_u32 << halvings);
+            if let Some(found) = self.equilibrium_by_rounds(inputs, part)? {
+                return Ok(found);
+            }
+        }
+        let RandomInputs { preload, static_friction } = inputs;
+        Err(FlexibleError::NoEquilibrium { preload, static_friction }.into())
+    }
+
+    /// Steady sliding by rounds of which only a part is taken; nothing if they do not settle.
+    fn equilibrium_by_rounds(
+        &self,
+        inputs: RandomInputs,
+        part: f64,
+    ) -> Result<Option<(PadState, Vec<f64>)>, FiniteDifferenceError> {
         let pad = self.pad();
         let rigid = self.modal.brake.brake().sliding_equilibrium_at(inputs);
         let mut state = PadState { q: [rigid.tangential, rigid.normal, rigid.angle], u: [0.0; 3], time: 0.0 };
@@ -126,20 +149,25 @@ impl FiniteDifferenceBrake {
             let still = |change: f64| change.abs() <= FOUND * rigid.normal.abs();
             let mut found = true;
             for ((q, acceleration), stiffness) in state.q.iter_mut().zip(accelerations).zip(stiffness) {
-                *q += acceleration / stiffness;
+                *q += part * (acceleration / stiffness);
                 found &= still(acceleration / stiffness);
             }
-            if !state.q.iter().all(|q| q.is_finite()) {
+            let is_far = |q: &f64| q.is_nan() || q.abs() > FARTHEST * rigid.normal.abs().max(rigid.tangential.abs());
+            if state.q.iter().any(is_far) {
                 break;
             }
             loads.iter_mut().for_each(|load| *load *= self.contact_gain);
-            let before = std::mem::replace(&mut deflection, self.steady_deflection(self.spin, &loads)?);
-            if found && deflection.iter().zip(&before).all(|(now, before)| still(now - before)) {
-                return Ok((state, deflection));
+            let mut now = self.steady_deflection(self.spin, &loads)?;
+            found &= deflection.iter().zip(&now).all(|(before, now)| still(now - before));
+            if part < 1.0 {
+                now.iter_mut().zip(&deflection).for_each(|(now, before)| *now = before + part * (*now - before));
+            }
+            deflection = now;
+            if found {
+                return Ok(Some((state, deflection)));
             }
         }
-        let RandomInputs { preload, static_friction } = inputs;
-        Err(FlexibleError::NoEquilibrium { preload, static_friction }.into())
+        Ok(None)
     }
 
     /// A motion at its start, and the equilibrium's x.

@@ -45,6 +45,9 @@ impl Observer for MonitoredLog {
     fn sticks(&mut self, time: f64, x: f64) {
         self.report(|observer| observer.sticks(time, x));
     }
+    fn holds(&mut self, time: f64) {
+        self.report(|observer| observer.holds(time));
+    }
     fn slips(&mut self, time: f64) {
         self.report(|observer| observer.slips(time));
     }

@@ -1,5 +1,6 @@
 //! Linear stability of many brakes at once.
 
+use crate::model::IsStopped;
 use crate::model::decision::Decision;
 use crate::models::pad_on_disc::flexible_disc::brake::FlexibleBrake;
 use crate::models::pad_on_disc::flexible_disc::error::FlexibleError;
@@ -28,7 +29,7 @@ impl FlexibleBrake {
     /// modes.
     #[must_use]
     pub fn linear_stability_of(&self, samples: &[OwnBrake]) -> Vec<Result<LinearStability, FlexibleError>> {
-        self.linear_stability_with(samples, InstructionSet::widest())
+        self.linear_stability_with(samples, InstructionSet::widest(), &|| false).unwrap_or_default()
     }
 
     /// Whether steady sliding is linearly stable, and what feeds it where it is not. The same as the sign of
@@ -58,16 +59,17 @@ impl FlexibleBrake {
         self.linear_stability_of(&[own]).pop().unwrap_or_else(|| self.by_eigenvalues(inputs))
     }
 
-    /// Decides samples by the coupled eigenvalues, as [`FlexibleBrake::decide_with`] does.
+    /// Decides samples by the coupled eigenvalues, as [`FlexibleBrake::decide_with`] does; `None` if it is stopped before.
     #[must_use]
-    pub fn decide_own(&self, samples: &[OwnBrake]) -> Vec<Decision> {
+    pub fn decide_own(&self, samples: &[OwnBrake], is_stopped: IsStopped<'_>) -> Option<Vec<Decision>> {
         let decide = |(sample, stability): (&OwnBrake, Result<LinearStability, FlexibleError>)| {
             self.decide_with(sample.inputs, |_, _| stability.clone())
         };
-        samples.iter().zip(self.linear_stability_of(samples)).map(decide).collect()
+        let found = self.linear_stability_with(samples, InstructionSet::widest(), is_stopped)?;
+        Some(samples.iter().zip(found).map(decide).collect())
     }
 
-    /// [`FlexibleBrake::linear_stability_of`] by the lanes of `set`.
+    /// [`FlexibleBrake::linear_stability_of`] by the lanes of `set`; `None` if it is stopped before.
     ///
     /// # Panics
     /// If this processor does not have `set`.
@@ -77,7 +79,8 @@ impl FlexibleBrake {
         &self,
         samples: &[OwnBrake],
         set: InstructionSet,
-    ) -> Vec<Result<LinearStability, FlexibleError>> {
+        is_stopped: IsStopped<'_>,
+    ) -> Option<Vec<Result<LinearStability, FlexibleError>>> {
         assert!(InstructionSet::available().contains(&set), "this processor has no {set:?}");
         let geometry = &*self.equations.geometry;
         let mut batch = Batch::<LANES>::new(geometry);
@@ -88,14 +91,18 @@ impl FlexibleBrake {
                 batch.set(lane, geometry, &sample.brake, sample.inputs);
             }
             decide_batch(set, geometry, &mut batch);
-            decided.extend(samples.iter().zip(batch.findings).map(|(OwnBrake { brake, inputs }, finding)| {
-                match finding.stability().filter(|_| geometry.is_of(brake.parameters())) {
-                    Some(stability) => Ok(stability),
-                    None => self.with_brake(brake.clone())?.by_eigenvalues(*inputs),
+            for (OwnBrake { brake, inputs }, finding) in samples.iter().zip(batch.findings) {
+                // Eigenvalues of a disc of its own take a tenth of a second.
+                if is_stopped() {
+                    return None;
                 }
-            }));
+                decided.push(match finding.stability().filter(|_| geometry.is_of(brake.parameters())) {
+                    Some(stability) => Ok(stability),
+                    None => self.with_brake(brake.clone()).and_then(|brake| brake.by_eigenvalues(*inputs)),
+                });
+            }
         }
-        decided
+        Some(decided)
     }
 }
 
@@ -200,6 +207,21 @@ mod tests {
     }
 
     #[test]
+    fn no_further_disc_is_decided_once_it_is_stopped() {
+        let base = FlexibleBrake::new(PadOnDisc::preset_with(&[])).unwrap();
+        let brake = PadOnDisc::preset_with(&[("disc.poissons_ratio", 0.28)]);
+        let sample = OwnBrake { brake, inputs: RandomInputs { preload: 0.05, static_friction: 0.39 } };
+        let asked = std::cell::Cell::new(0);
+        let is_stopped = || {
+            asked.set(asked.get() + 1);
+            asked.get() == 3
+        };
+        assert!(base.decide_own(&vec![sample.clone(); 20], &is_stopped).is_none());
+        assert_eq!(asked.get(), 3, "it is asked before each disc");
+        assert_eq!(base.decide_own(&[sample], &|| false).map(|decided| decided.len()), Some(1));
+    }
+
+    #[test]
     fn instruction_sets_and_neighbours_change_nothing() {
         let base = FlexibleBrake::new(PadOnDisc::preset_with(&[])).unwrap();
         let mut samples = samples(43, 0.5, &mut uniform_draws(29));
@@ -212,7 +234,11 @@ mod tests {
         assert!(expected[5].is_err() && expected[9].is_ok());
         // As text, in which what is no number equals itself.
         for set in InstructionSet::available() {
-            assert_eq!(format!("{:?}", base.linear_stability_with(&samples, set)), format!("{expected:?}"), "{set:?}");
+            assert_eq!(
+                format!("{:?}", base.linear_stability_with(&samples, set, &|| false)),
+                format!("{:?}", Some(&expected)),
+                "{set:?}"
+            );
         }
         for (sample, expected) in samples.iter().zip(expected) {
             let alone = base.linear_stability_of(std::slice::from_ref(sample));

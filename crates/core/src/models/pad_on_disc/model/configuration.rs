@@ -184,7 +184,7 @@ impl PadConfiguration {
             _ => None,
         };
         let mut recorded = NOTHING;
-        let sample = Sample::new(&brake, flexible.as_ref(), inputs);
+        let sample = Sample::new(&brake, flexible.as_ref(), inputs, self.record);
         for (value, result) in recorded.iter_mut().zip(self.record.results()) {
             *value = result.value(&sample);
         }
@@ -210,7 +210,8 @@ impl PadConfiguration {
                     Some(OwnBrake { brake, inputs: Self::inputs(samples, sample) })
                 };
                 let own: Vec<Option<OwnBrake>> = wanted.iter().map(own).collect();
-                let mut decided = brake.decide_own(&own.iter().flatten().cloned().collect::<Vec<_>>()).into_iter();
+                let brakes: Vec<OwnBrake> = own.iter().flatten().cloned().collect();
+                let mut decided = brake.decide_own(&brakes, is_stopped)?.into_iter();
                 let decision = |own: &Option<OwnBrake>| own.as_ref().and_then(|_| decided.next());
                 Some(own.iter().map(decision).map(|decision| decision.unwrap_or(Verdict::Failed.into())).collect())
             }

@@ -34,18 +34,26 @@ pub(super) struct Sample<'a> {
     /// With the disc of the criterion, if that is flexible.
     flexible: Option<&'a FlexibleBrake>,
     inputs: RandomInputs,
+    /// Whether the tangential motion is the only one.
+    is_tangential: bool,
     cycle: OnceCell<Option<LimitCycle>>,
 }
 
 impl<'a> Sample<'a> {
-    pub(super) fn new(brake: &'a PadOnDisc, flexible: Option<&'a FlexibleBrake>, inputs: RandomInputs) -> Self {
-        Self { brake, flexible, inputs, cycle: OnceCell::new() }
+    pub(super) fn new(
+        brake: &'a PadOnDisc,
+        flexible: Option<&'a FlexibleBrake>,
+        inputs: RandomInputs,
+        record: LinearRecord,
+    ) -> Self {
+        Self { brake, flexible, inputs, is_tangential: record.is_tangential, cycle: OnceCell::new() }
     }
 
     /// The eigenvalue with the largest real part, per unit of scaled time; `None` if eigenvalues are not found.
     fn least_stable(&self) -> Option<Eigenvalue> {
         match self.flexible {
-            None => Some(self.brake.tangential_eigenvalue()),
+            None if self.is_tangential => Some(self.brake.tangential_eigenvalue()),
+            None => Some(self.brake.least_stable_eigenvalue()),
             Some(disc) => disc.least_stable(self.inputs).ok(),
         }
     }
@@ -125,23 +133,37 @@ impl LinearResult {
 
 /// Which of them are recorded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct LinearRecord([bool; LinearResult::ALL.len()]);
+pub struct LinearRecord {
+    results: [bool; LinearResult::ALL.len()],
+    /// Whether growth rate and frequency are those of the tangential motion, whatever the others do.
+    pub(super) is_tangential: bool,
+}
 
 impl LinearRecord {
     /// These.
     #[must_use]
     pub fn of(results: &[LinearResult]) -> Self {
-        Self(LinearResult::ALL.map(|result| results.contains(&result)))
+        Self { results: LinearResult::ALL.map(|result| results.contains(&result)), is_tangential: false }
+    }
+
+    /// The same of the tangential motion alone: of a model that has no other.
+    #[must_use]
+    pub fn tangential(self) -> Self {
+        Self { is_tangential: true, ..self }
     }
 
     /// Those that are recorded, in the order of [`LinearResult::ALL`].
     pub fn results(self) -> impl Iterator<Item = LinearResult> {
-        LinearResult::ALL.into_iter().zip(self.0).filter(|(_, is_recorded)| *is_recorded).map(|(result, _)| result)
+        LinearResult::ALL
+            .into_iter()
+            .zip(self.results)
+            .filter(|(_, is_recorded)| *is_recorded)
+            .map(|(result, _)| result)
     }
 
     /// Whether there are none.
     #[must_use]
     pub fn is_empty(self) -> bool {
-        self == Self::default()
+        self.results == Self::default().results
     }
 }

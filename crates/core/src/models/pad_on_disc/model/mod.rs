@@ -89,6 +89,10 @@ impl Model for PadModel {
         &self.recorded
     }
 
+    fn has_very_slow_samples(&self) -> bool {
+        matches!(self.criterion(), Criterion::TimeDomain { disc: DiscModel::Flexible { .. }, .. })
+    }
+
     fn has_closed_form(&self) -> bool {
         matches!(self.criterion(), Criterion::Eigenvalue { .. })
     }

@@ -141,6 +141,9 @@ fn report<E: Equations>(
     if part.grazes {
         observer.grazes();
     }
+    if part.ending == Ending::Stuck {
+        observer.holds(begin + part.time);
+    }
     if part.is_caught {
         observer.is_caught(next_x);
     }

@@ -11,6 +11,9 @@ pub(crate) struct EventLog {
     pub sticks: Vec<f64>,
     /// Times at which they are released.
     pub slips: Vec<f64>,
+    /// In order, all times at which they begin to stick, also where they have not left each other since the release, and all
+    /// at which they cease to; with whether they stick from then on.
+    changes: Vec<(f64, bool)>,
 }
 
 impl Observer for EventLog {
@@ -20,18 +23,97 @@ impl Observer for EventLog {
     fn sticks(&mut self, time: f64, _: f64) {
         self.sticks.push(time);
     }
+    fn holds(&mut self, time: f64) {
+        self.changes.push((time, true));
+    }
     fn slips(&mut self, time: f64) {
         self.slips.push(time);
+        self.changes.push((time, false));
     }
 }
 
 impl EventLog {
     /// Time in stick between two moments.
     pub fn time_in_stick(&self, from: f64, to: f64) -> f64 {
+        let share = |begin: f64, end: f64| (end.min(to) - begin.max(from)).max(0.0);
         // A motion that starts in stick is released before it is seen to stick.
-        let starts_stuck = self.slips.first().is_some_and(|slip| self.sticks.first().is_none_or(|stick| slip < stick));
-        let begins = starts_stuck.then_some(0.0).into_iter().chain(self.sticks.iter().copied());
-        let ends = self.slips.iter().copied().chain([f64::INFINITY]);
-        begins.zip(ends).map(|(begin, end)| (end.min(to) - begin.max(from)).max(0.0)).fold(0.0, |sum, time| sum + time)
+        let starts_stuck = self.changes.first().is_some_and(|(_, sticks)| !sticks);
+        let mut begun = starts_stuck.then_some(0.0);
+        let mut sum = 0.0;
+        for &(time, sticks) in &self.changes {
+            if sticks {
+                begun.get_or_insert(time);
+            } else if let Some(begin) = begun.take() {
+                sum += share(begin, time);
+            }
+        }
+        sum + begun.map_or(0.0, |begin| share(begin, f64::INFINITY))
+    }
+
+    /// Times of the releases after which pad and disc leave each other: of several between two sticks, the last.
+    pub fn releases(&self) -> Vec<f64> {
+        let mut sticks = self.sticks.iter().copied().peekable();
+        let mut releases: Vec<f64> = Vec::new();
+        for &slip in &self.slips {
+            // The first one belongs to no stick of the log if the motion starts in stick.
+            let mut is_after_a_stick = releases.is_empty();
+            while sticks.next_if(|stick| *stick <= slip).is_some() {
+                is_after_a_stick = true;
+            }
+            match releases.last_mut() {
+                Some(last) if !is_after_a_stick => *last = slip,
+                _ => releases.push(slip),
+            }
+        }
+        releases
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A motion that starts in stick, and once is released and held again before it leaves the disc.
+    #[test]
+    fn a_release_that_leads_nowhere_shifts_no_other() {
+        let mut log = EventLog::default();
+        log.slips(1.0);
+        for (stick, held) in [(3.0, None), (6.0, Some(6.5)), (9.0, None)] {
+            log.sticks(stick, 0.0);
+            log.holds(stick);
+            if let Some(again) = held {
+                log.slips(again);
+                log.holds(again);
+            }
+            log.slips(stick + 1.0);
+        }
+        assert_eq!(log.time_in_stick(0.0, 20.0), 4.0);
+        assert_eq!(log.time_in_stick(6.25, 9.5), 1.25);
+        assert_eq!(log.releases(), [1.0, 4.0, 7.0, 10.0]);
+    }
+
+    /// A motion that begins at the disc's speed is held and released at once.
+    #[test]
+    fn stick_of_no_length_shifts_nothing() {
+        let mut log = EventLog::default();
+        log.holds(0.0);
+        log.slips(0.0);
+        log.holds(5.0);
+        log.slips(7.0);
+        assert_eq!(log.time_in_stick(0.0, 10.0), 2.0);
+    }
+
+    /// A pad that passes the disc and is held by it at once begins to stick without a sign of it in `sticks`.
+    #[test]
+    fn stick_after_overtaking_counts() {
+        let mut log = EventLog::default();
+        for cycle in 0..5 {
+            let begin = 10.0 * f64::from(cycle);
+            log.holds(begin + 2.0);
+            log.slips(begin + 4.0);
+        }
+        assert_eq!(log.time_in_stick(0.0, 50.0), 10.0);
+        log.holds(52.0);
+        assert_eq!(log.time_in_stick(50.0, 60.0), 8.0);
     }
 }

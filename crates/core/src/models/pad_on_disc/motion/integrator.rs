@@ -68,6 +68,8 @@ pub(crate) trait Observer {
     fn turns(&mut self, time: f64, x: f64);
     /// Pad and disc begin to stick, at `x`.
     fn sticks(&mut self, time: f64, x: f64);
+    /// The same, also where they have not left each other since the release.
+    fn holds(&mut self, _time: f64) {}
     /// They cease to.
     fn slips(&mut self, time: f64);
     /// Pad and disc pass each other at `x` without sticking, and are then in this state of contact.

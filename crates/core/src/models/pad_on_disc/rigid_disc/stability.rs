@@ -93,6 +93,15 @@ impl PadOnDisc {
         self.tangential_oscillator().eigenvalues()[0]
     }
 
+    /// The eigenvalue of all motions of the pad with the largest real part, per unit of scaled time; of a pair the one with the
+    /// positive imaginary part.
+    #[must_use]
+    pub fn least_stable_eigenvalue(&self) -> Eigenvalue {
+        let others = [self.normal_oscillator(), self.angular_oscillator()].map(|other| other.eigenvalues()[0]);
+        let larger = |least: Eigenvalue, other: Eigenvalue| if other.re > least.re { other } else { least };
+        others.into_iter().fold(self.tangential_eigenvalue(), larger)
+    }
+
     /// The rotating speeds at which steady sliding is unstable with this preload and friction, in rising order; none if
     /// it is stable at every speed. The upper end of the last range is the critical speed. A measured curve that falls
     /// in several places may have several ranges.

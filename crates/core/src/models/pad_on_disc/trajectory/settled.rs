@@ -44,7 +44,7 @@ impl SettledMotion {
             (cycles > 0).then(|| (times[cycles * every] - times[0]) / cycles as f64)
         };
         let turns: Vec<f64> = log.turns.iter().map(|turn| turn.0).collect();
-        let period = oscillates.then(|| between(&log.slips, 1).or_else(|| between(&turns, 2))).flatten();
+        let period = oscillates.then(|| between(&log.releases(), 1).or_else(|| between(&turns, 2))).flatten();
         // A whole number of cycles where there are some, so that neither mean nor share depends on where it is cut.
         let window = period.map_or(to - from, |period| ((to - from) / period).floor().max(1.0) * period);
         let start = to - window;

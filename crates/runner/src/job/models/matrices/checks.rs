@@ -1,6 +1,8 @@
 //! What is checked of matrices, in the words of those who made them.
 
+use stickslip_core::models::matrices::full::has_common_instructions;
 use stickslip_core::models::matrices::model::MatrixModel;
+use stickslip_core::models::matrices::problem::Problem;
 use stickslip_core::models::matrices::region::damping_ratio;
 use stickslip_core::models::matrices::terms::{Matrices, Matrix, asymmetry, is_symmetric};
 use stickslip_core::numerics::eigenvalues::Eigenvalue;
@@ -141,6 +143,12 @@ pub fn unused_parameters(matrices: &Matrices) -> Vec<String> {
         .collect()
 }
 
+/// What moves by more than this, of 1, is named of a rigid-body motion.
+const MOVES: f64 = 1e-6;
+
+/// So many motions, and degrees of freedom of each, are named.
+const NAMED: usize = 6;
+
 /// What is to be said of the modes of the expected brake.
 pub fn warnings(model: &MatrixModel, modes: &[Mode]) -> Vec<String> {
     let mut warnings = Vec::new();
@@ -150,11 +158,47 @@ pub fn warnings(model: &MatrixModel, modes: &[Mode]) -> Vec<String> {
             "{undamped} modes in the band are undamped: a damping ratio of 0 counts as stable, and rounding may be of either sign; a threshold such as damping_ratio = -0.001 leaves them out"
         ));
     }
-    if !modes.iter().any(|mode| in_band(model, mode)) {
+    let knows_all = matches!(model.problem(), Problem::Dense(_));
+    if !knows_all && !has_common_instructions() {
+        warnings.push(
+            "this processor lacks AVX2 or FMA, so that full matrices give other last digits here than on processors with both; see \"On every processor\" in docs/reference/versions.md"
+                .to_owned(),
+        );
+    }
+    if modes.is_empty() && knows_all {
+        warnings.push(
+            "nothing oscillates in the expected brake: all eigenvalues are real, as damping is beyond its critical value everywhere"
+                .to_owned(),
+        );
+    } else if !modes.iter().any(|mode| in_band(model, mode)) {
         warnings
             .push("the expected brake has no mode in the band of frequencies (Hz): are the units right?".to_owned());
     }
     warnings
+}
+
+/// What is said of rigid-body motions that are left out: what moves in each.
+pub fn rigid_body_motions(model: &MatrixModel) -> Option<String> {
+    let motions = model.rigid_body_motions();
+    let moving = |motion: &Vec<f64>| {
+        let largest = motion.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
+        let moves = |place: &usize| motion[*place].abs() > MOVES * largest;
+        let places: Vec<usize> = (0..motion.len()).filter(moves).collect();
+        let first: Vec<String> = places.iter().take(NAMED).map(|place| (place + 1).to_string()).collect();
+        let rest = places.len().saturating_sub(NAMED);
+        let more = if rest > 0 { format!(" and {rest} more") } else { String::new() };
+        format!("{}{more}", first.join(", "))
+    };
+    let moving: Vec<String> = motions.iter().take(NAMED).map(moving).collect();
+    let number = match motions.len() {
+        0 => return None,
+        1 => "1 rigid-body motion is left out, which".to_owned(),
+        many => format!("{many} rigid-body motions are left out, which"),
+    };
+    Some(format!(
+        "{number} no stiffness and no damping holds (it moves the degrees of freedom number {}); is something not held that should be? criterion.rigid_body_motions = \"counted\" counts their eigenvalues, which are zero up to rounding",
+        moving.join("; another ")
+    ))
 }
 
 fn in_band(model: &MatrixModel, mode: &Mode) -> bool {

@@ -18,7 +18,7 @@ use toml_edit::DocumentMut;
 use self::assemble::ReadModel;
 use self::checks::Mode;
 use self::parameters::{parameter, written_parameter};
-use self::spec::{MatrixCriterionSpec, MatrixKind, MatrixModelSpec, PairRecord, SolvedMatrices};
+use self::spec::{MatrixCriterionSpec, MatrixKind, MatrixModelSpec, PairRecord, RigidBodyMotions, SolvedMatrices};
 use self::terms::{FileTerm, TermSpec, TermsSpec};
 use crate::job::axes::values;
 use crate::job::axes_spec::{AxesSpec, AxisEntry};
@@ -252,9 +252,11 @@ impl Draft for MatrixDraft {
             complaints.push(Complaint::at(name.span(), message));
             return None;
         }
+        let counts_rigid_body_motions =
+            spec.rigid_body_motions.as_ref().is_some_and(|key| *key.get_ref() == RigidBodyMotions::Counted);
         let read = self.model.filter(|_| self.is_whole)?;
         let grid = grid?;
-        let criterion = ComplexEigenvalue { bands: self.bands, damping_ratio };
+        let criterion = ComplexEigenvalue { bands: self.bands, damping_ratio, counts_rigid_body_motions };
         let solver = match solved {
             Some((SolvedMatrices::Full, span)) => {
                 if criterion.bands.iter().any(|[_, highest]| highest.is_infinite()) {
@@ -343,7 +345,7 @@ impl JobModel for MatrixJob {
             reduction: self.tables.reduction.clone(),
         });
         model.insert("kind".to_owned(), KIND.name.into());
-        let ComplexEigenvalue { bands, damping_ratio } = self.model.criterion();
+        let ComplexEigenvalue { bands, damping_ratio, counts_rigid_body_motions } = self.model.criterion();
         let recorded = self.model.recorded_results();
         let is_all = bands.len() == 1 && bands[0] == [0.0, f64::INFINITY];
         let criterion = table_of(&MatrixCriterionSpec {
@@ -351,6 +353,7 @@ impl JobModel for MatrixJob {
             frequency: (bands.len() == 1 && !is_all).then(|| written(bands[0])),
             bands: (bands.len() > 1).then(|| written(bands.clone())),
             damping_ratio: Some(written(*damping_ratio)),
+            rigid_body_motions: counts_rigid_body_motions.then(|| written(RigidBodyMotions::Counted)),
             matrices: matches!(self.model.problem(), Problem::Sparse(_)).then(|| written(SolvedMatrices::Full)),
             outside_physics: None,
             record: (!recorded.is_empty())
@@ -363,6 +366,7 @@ impl JobModel for MatrixJob {
         let mut warnings = self.warnings.clone();
         warnings.extend(self.reduction().map(Reduction::warnings).unwrap_or_default());
         warnings.extend(checks::warnings(&self.model, self.modes(grid)));
+        warnings.extend(checks::rigid_body_motions(&self.model));
         warnings
     }
 

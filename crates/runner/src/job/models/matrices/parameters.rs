@@ -57,6 +57,14 @@ pub fn parameter(name: &Spanned<String>, spec: &Spanned<ParameterSpec>) -> Resul
             return Err(complain(format!(".range = [{least}, {largest}]: the first must be less than the second")));
         }
     };
+    for (key, said) in [("unit", &described.unit), ("label", &described.label)] {
+        if let Some(unfit) = said.iter().flat_map(|said| said.chars()).find(|c| is_unfit(*c)) {
+            let code = u32::from(unfit);
+            return Err(complain(format!(
+                ".{key} has the character U+{code:04X}, which no picture can show; leave control characters out"
+            )));
+        }
+    }
     if !described.value.is_finite() || !range.contain(described.value) {
         return Err(complain(format!(" = {} is out of range: it must be {range}", described.value)));
     }
@@ -67,6 +75,11 @@ pub fn parameter(name: &Spanned<String>, spec: &Spanned<ParameterSpec>) -> Resul
         label: described.label.unwrap_or_else(|| text.replace('_', " ")),
         range,
     })
+}
+
+/// Whether a character cannot stand in XML, which pictures are, or breaks a line.
+fn is_unfit(c: char) -> bool {
+    c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}')
 }
 
 /// A parameter with this value as it is written in a job.
@@ -110,6 +123,20 @@ fn check_name(text: &str) -> Result<(), String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn labels_that_no_picture_can_show_are_refused() {
+        let with = |label: &str| {
+            let label = Some(label.to_owned());
+            let described = DescribedParameter { value: 1.0, unit: None, label, range: None };
+            let spec = ParameterSpec::Described(described);
+            parameter(&Spanned::new(0..1, "k".to_owned()), &Spanned::new(0..1, spec))
+        };
+        for unfit in ["a\u{1}b", "a\nb", "\u{ffff}", "\u{fffe}", "\u{7f}"] {
+            assert!(with(unfit).is_err(), "{unfit:?}");
+        }
+        assert_eq!(with("Steifigkeit \u{3b1} \u{1d4dd}").unwrap().label, "Steifigkeit \u{3b1} \u{1d4dd}");
+    }
 
     #[test]
     fn names_that_results_have_are_refused() {

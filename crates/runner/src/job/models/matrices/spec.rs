@@ -82,6 +82,10 @@ pub struct MatrixCriterionSpec {
     /// Unstable is a pair in the band whose damping ratio, -Re / |lambda|, is below it by more than 1e-9.
     #[schemars(with = "Option<f64>", extend("default" = 0, "exclusiveMinimum" = -1, "exclusiveMaximum" = 1))]
     pub damping_ratio: Option<Spanned<f64>>,
+    /// Motions that no stiffness and no damping holds have two eigenvalues of zero, which rounding makes stable or unstable.
+    /// With `matrices = "full"` they always count.
+    #[schemars(with = "Option<RigidBodyMotions>", extend("default" = "left-out"))]
+    pub rigid_body_motions: Option<Spanned<RigidBodyMotions>>,
     /// With which matrices eigenvalues are found.
     #[schemars(with = "Option<SolvedMatrices>", extend("default" = "dense"))]
     pub matrices: Option<Spanned<SolvedMatrices>>,
@@ -125,6 +129,16 @@ impl PairRecord {
             PairResult::Frequency => Self::Frequency,
         }
     }
+}
+
+/// Whether rigid-body motions count.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum RigidBodyMotions {
+    /// They are found and left out.
+    LeftOut,
+    /// Their eigenvalues count as any others.
+    Counted,
 }
 
 /// With which matrices eigenvalues are found.

@@ -314,19 +314,34 @@ pub fn with_full_matrices(text: &str) -> String {
 
 /// The text of a job whose matrices are those of a file: M, C1, C2, ..., K1, K2, ..., in the order of its terms, with their factors.
 /// What the reduction costs stands beside them.
-pub fn with_reduced_matrices(text: &str, file: &str, reduction: &Reduction) -> String {
-    let Ok(mut document) = text.parse::<DocumentMut>() else { return text.to_owned() };
+///
+/// # Errors
+/// Matrices that cannot be read from the file, of which the job has the digests.
+pub fn with_reduced_matrices(text: &str, path: &Path, reduction: &Reduction) -> Result<String, String> {
+    let Ok(mut document) = text.parse::<DocumentMut>() else { return Ok(text.to_owned()) };
+    let mut unread = None;
+    let file = path.file_name().unwrap_or_default().to_string_lossy();
     for_each_written(&mut document, |key, number, term| {
         let name = match key {
             "mass" => "M".to_owned(),
             "damping" => format!("C{}", number + 1),
             _ => format!("K{}", number + 1),
         };
-        for (key, value) in [("file", file), ("matrix", &name)] {
+        for (key, value) in [("file", &*file), ("matrix", &name)] {
             term.insert(key, toml_edit::value(value));
         }
         term.remove("digest");
+        // With another reduction beside it, the job is refused.
+        match matrix_files::read(path, Some(&name)) {
+            Ok(read) => {
+                term.insert("digest", toml_edit::value(digest_of(&read)));
+            }
+            Err(problem) => unread = Some(problem.to_string()),
+        }
     });
+    if let Some(why) = unread {
+        return Err(why);
+    }
     if let Some(criterion) = document.get_mut("criterion").and_then(Item::as_table_like_mut) {
         criterion.remove("matrices");
     }
@@ -336,7 +351,7 @@ pub fn with_reduced_matrices(text: &str, file: &str, reduction: &Reduction) -> S
     {
         model.insert("reduction", Item::Table(table.as_table().clone()));
     }
-    document.to_string()
+    Ok(document.to_string())
 }
 
 /// Writes where the matrices of a job are, and their digests, into its text; a comment that says so.

@@ -314,3 +314,16 @@ fn beyond_the_steepest_speed_faster_is_never_less_stable() {
         assert!(steepest == 0.0 || critical(0.9 * steepest) > critical(steepest), "{exponent}");
     }
 }
+
+/// The largest real part of all six eigenvalues of the Jacobian; far above the critical speed that of the rotation.
+#[test]
+fn the_least_stable_eigenvalue_is_that_of_all_motions() {
+    let of_rotation = brakes().into_iter().filter(|brake| {
+        let expected =
+            eigenvalues(&brake.jacobian()).unwrap().into_iter().map(|value| value.re).fold(f64::MIN, f64::max);
+        let found = brake.least_stable_eigenvalue();
+        assert!((found.re - expected).abs() < 1e-9 * (1.0 + expected.abs()), "{found} {expected}");
+        found != brake.tangential_eigenvalue()
+    });
+    assert!(of_rotation.count() > 0);
+}

@@ -1,0 +1,80 @@
+//! A limit state of each pair, so that a search finds regions in which another pair than the least damped one is unstable.
+
+use super::region::{Region, magnitude};
+use crate::numerics::eigenvalues::Eigenvalue;
+
+/// A pair of eigenvalues, or two real ones.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Oscillator {
+    /// The root of the product of both: the undamped angular frequency.
+    size: f64,
+    /// `-(lambda_1 + lambda_2) / (2 size)`: the damping ratio, also beyond 1; -1 where one of two real ones grows.
+    damping: f64,
+    /// The angular frequency, 0 of real ones.
+    frequency: f64,
+}
+
+/// The limit states of all pairs, by rising undamped frequency: the damping ratio less the threshold, in the nearest of the
+/// regions; outside of all bands, at least the distance to the nearest in parts of the frequency.
+///
+/// Overdamped pairs have one that goes on beyond a damping ratio of 1, so that its gradient leads to where they oscillate. Of several
+/// of these the eigenvalue nearest to zero is joined with the one farthest away, and so on.
+pub(super) fn limit_states(eigenvalues: &[Eigenvalue], regions: &[Region]) -> Vec<f64> {
+    let mut oscillators: Vec<Oscillator> = eigenvalues
+        .iter()
+        .filter(|value| value.im > 0.0)
+        .map(|value| {
+            let size = magnitude(*value);
+            Oscillator { size, damping: -value.re / size, frequency: value.im }
+        })
+        .collect();
+    let mut real: Vec<f64> = eigenvalues.iter().filter(|value| value.im == 0.0).map(|value| value.re).collect();
+    real.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
+    for (near, far) in real.iter().zip(real.iter().rev()).take(real.len() / 2) {
+        let size = (near * far).abs().sqrt();
+        let damping = if *near > 0.0 || *far > 0.0 { -1.0 } else { -0.5 * (near + far) / size };
+        oscillators.push(Oscillator { size, damping, frequency: 0.0 });
+    }
+    oscillators.sort_by(|a, b| a.size.total_cmp(&b.size));
+    let of_region = |oscillator: &Oscillator, region: &Region| {
+        let outside = (region.lowest - oscillator.frequency).max(oscillator.frequency - region.highest);
+        let excess = oscillator.damping - region.damping_ratio;
+        if outside > 0.0 { excess.max(outside / oscillator.size) } else { excess }
+    };
+    let of_all = |oscillator: &Oscillator| {
+        regions.iter().map(|region| of_region(oscillator, region)).fold(f64::INFINITY, f64::min)
+    };
+    oscillators.iter().map(of_all).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_pair_has_its_own_limit_state() {
+        let band = [Region { lowest: 1.0, highest: 5.0, damping_ratio: 0.1 }];
+        let pair = |re: f64, im: f64| [Eigenvalue::new(re, im), Eigenvalue::new(re, -im)];
+        // Below the band, unstable within it, overdamped, and above the band.
+        let mut values = [pair(0.3, 0.4), pair(0.6, 1.9), pair(-6.0, 8.0)].concat();
+        values.extend([Eigenvalue::new(-1.0, 0.0), Eigenvalue::new(-16.0, 0.0)]);
+        let states = limit_states(&values, &band);
+        let expected = [(1.0 - 0.4) / 0.5, -0.6 / 0.6_f64.hypot(1.9) - 0.1, 17.0 / 8.0 - 0.1, 0.6 - 0.1];
+        assert!(states.iter().zip(expected).all(|(found, expected)| (found - expected).abs() < 1e-12), "{states:?}");
+        let all = [Region { lowest: 0.0, highest: f64::INFINITY, damping_ratio: 0.0 }];
+        let divergent = [Eigenvalue::new(2.0, 0.0), Eigenvalue::new(-3.0, 0.0)];
+        assert_eq!(limit_states(&divergent, &all), [-1.0]);
+    }
+
+    #[test]
+    fn a_limit_state_goes_on_where_a_pair_ceases_to_oscillate() {
+        let all = [Region { lowest: 0.0, highest: f64::INFINITY, damping_ratio: 0.0 }];
+        for damping in [0.2, 0.999, 1.001, 4.0] {
+            // lambda^2 + 2 damping lambda + 1 = 0.
+            let root = Eigenvalue::new(damping * damping - 1.0, 0.0).sqrt();
+            let values = [root, -root].map(|root| root - damping);
+            let found = limit_states(&values, &all);
+            assert!((found[0] - damping).abs() < 1e-12, "{damping}: {found:?}");
+        }
+    }
+}

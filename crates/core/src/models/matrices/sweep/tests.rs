@@ -1,0 +1,278 @@
+//! Searches over a parameter against all eigenvalues on a dense grid.
+
+use nalgebra::{Complex, DMatrix, Schur};
+
+use crate::model::critical_values::NoMemory;
+use crate::models::matrices::branches::{Branches, Path};
+use crate::models::matrices::dense_branches::DenseBranches;
+use crate::models::matrices::quadratic::DenseQuadratic;
+use crate::models::matrices::region::{RESOLUTION, Region};
+use crate::models::matrices::sweep::Steps;
+use crate::models::matrices::trial::Numbers;
+
+/// As in [`problem`](crate::models::matrices::problem).
+const STEPS: Steps = Steps { joined: 1, halvings: 44, most: 4000 };
+
+/// Places of the grid, over five standard deviations to each side.
+const GRID: u32 = 1500;
+
+/// What the parameter does; the models of each kind differ by their seed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Kind {
+    Friction,
+    Modulus,
+    Speed,
+    Damping,
+    Divergence,
+    Overdamped,
+    Undamped,
+}
+
+const KINDS: [Kind; 7] =
+    [Kind::Friction, Kind::Modulus, Kind::Speed, Kind::Damping, Kind::Divergence, Kind::Overdamped, Kind::Undamped];
+
+/// Coefficients `c + p d + p^2 e` of a parameter `p = mean (1 + std z)`; z is the place on the path.
+struct OverDeviate {
+    terms: [Vec<f64>; 3],
+    mean: f64,
+    std: f64,
+}
+
+impl Path for OverDeviate {
+    fn coefficients(&self, z: f64) -> Vec<f64> {
+        let p = self.mean * (1.0 + self.std * z);
+        let [c, d, e] = &self.terms;
+        c.iter().zip(d).zip(e).map(|((c, d), e)| c + p * (d + p * e)).collect()
+    }
+
+    fn derivative(&self, z: f64) -> Vec<f64> {
+        let p = self.mean * (1.0 + self.std * z);
+        let [_, d, e] = &self.terms;
+        d.iter().zip(e).map(|(d, e)| (d + 2.0 * p * e) * self.mean * self.std).collect()
+    }
+}
+
+/// A random model with modes that lie near each other. Coefficients: two of damping, three of stiffness.
+fn model(kind: Kind, seed: u64) -> (DenseQuadratic, OverDeviate, Region) {
+    let mut numbers = Numbers(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15));
+    for _ in 0..8 {
+        numbers.next();
+    }
+    let mut uniform = move || 0.5 * (1.0 + numbers.next());
+    let size = match seed % 20 {
+        0..=9 => 2,
+        10..=17 => 3 + (9.0 * uniform()) as usize,
+        18 => 12 + (10.0 * uniform()) as usize,
+        _ => 22 + (19.0 * uniform()) as usize,
+    };
+    // Frequencies from 1 on, some of them close, and damping ratios of some thousandths.
+    let mut squares = vec![1.0];
+    for _ in 1..size {
+        let gap = if uniform() < 0.6 { 0.02 + 0.3 * uniform() } else { 1.0 + uniform() };
+        squares.push(squares[squares.len() - 1] + gap);
+    }
+    let diagonal = |values: Vec<f64>| DMatrix::from_diagonal(&values.into());
+    let mut random = |scale: f64| DMatrix::from_fn(size, size, |_, _| scale * (2.0 * uniform() - 1.0));
+    let symmetric = |matrix: DMatrix<f64>| (&matrix + matrix.transpose()) * 0.5;
+    let skew = |matrix: DMatrix<f64>| (&matrix - matrix.transpose()) * 0.5;
+    let friction = random(0.3);
+    let coupling = symmetric(random(0.05));
+    let tuning = symmetric(random(0.1));
+    let gyroscopic = skew(random(0.2));
+    let some = random(1.0);
+    let pick = |place: usize| 0.5 * (1.0 + some[(place % size, place / size % size)]);
+    let ratios: Vec<f64> =
+        (0..size).map(|i| [2e-4, 2e-3, 2e-2][(3.0 * pick(i)) as usize % 3] * squares[i].sqrt()).collect();
+    let mut damping = diagonal(ratios);
+    let place = (size as f64 * pick(size)) as usize % size;
+    let single = |value: f64| diagonal((0..size).map(|i| if i == place { value } else { 0.0 }).collect());
+    let stiffness = diagonal(squares.clone()) + coupling;
+    // Terms: damping, that of the parameter, stiffness, friction or tuning, that of the parameter.
+    let zero = DMatrix::zeros(size, size);
+    let mut other = &friction * (0.1 + pick(1));
+    let (mut of_damping, mut of_stiffness, mut of_square) = (zero.clone(), zero.clone(), zero.clone());
+    match kind {
+        Kind::Friction => {
+            of_stiffness = friction;
+            other = zero;
+        }
+        Kind::Modulus => of_stiffness = single(0.4 * squares[place]) + tuning,
+        Kind::Speed => {
+            of_damping = gyroscopic;
+            of_square = -diagonal(squares.iter().map(|square| 0.05 * square * pick(3)).collect()) + friction * 0.1;
+        }
+        Kind::Damping => of_damping = single(0.05) + symmetric(random(0.002)),
+        Kind::Divergence => of_stiffness = -single(squares[place] * (0.5 + pick(4))) + tuning,
+        Kind::Overdamped => {
+            damping += single(4.0 * squares[place].sqrt());
+            of_damping = single(2.0);
+            of_stiffness = friction;
+        }
+        Kind::Undamped => {
+            damping = zero.clone();
+            of_stiffness = friction;
+            other = zero;
+        }
+    }
+    let mean = 0.2 + 1.3 * pick(5);
+    let path = OverDeviate {
+        terms: [vec![1.0, 0.0, 1.0, 0.0, 0.0], vec![0.0, 1.0, 0.0, 1.0, 0.0], vec![0.0, 0.0, 0.0, 0.0, 1.0]],
+        mean,
+        std: [0.03, 0.1, 0.3][(3.0 * pick(6)) as usize % 3],
+    };
+    let stiffness = [stiffness + other, of_stiffness, of_square];
+    let problem =
+        DenseQuadratic::new(&DMatrix::identity(size, size), &[damping, of_damping], &stiffness, &[1.0; 5]).unwrap();
+    let middle = squares[(size as f64 * pick(7)) as usize % size].sqrt();
+    let band = match (4.0 * pick(8)) as usize {
+        _ if kind == Kind::Divergence => [0.0, f64::INFINITY],
+        0 => [middle * 0.97, middle * 1.02],
+        1 => [0.3, middle * 1.3],
+        _ => [0.0, f64::INFINITY],
+    };
+    let damping_ratio = [0.0, 0.0, -0.001, -0.01][(4.0 * pick(9)) as usize % 4];
+    let region = Region { lowest: band[0], highest: band[1], damping_ratio }.in_unit(problem.unit());
+    (problem, path, region)
+}
+
+/// The probability that a standard normal deviate is at most so large.
+fn below(z: f64) -> f64 {
+    0.5 * libm::erfc(-z / std::f64::consts::SQRT_2)
+}
+
+fn probability(set: &[[f64; 2]]) -> f64 {
+    set.iter().map(|[from, to]| below(*to) - below(*from)).sum()
+}
+
+/// The probability of instability by bisection between places of a grid, and further ones, where the verdict differs.
+fn by_grid(is_unstable: &dyn Fn(f64) -> bool, more: &[f64]) -> f64 {
+    let mut places: Vec<f64> = (0..=GRID).map(|index| 10.0 * f64::from(index) / f64::from(GRID) - 5.0).collect();
+    places.extend(more.iter().filter(|place| place.abs() < 5.0));
+    places.sort_by(f64::total_cmp);
+    let mut sum = 0.0;
+    let (mut from, mut was) = (f64::NEG_INFINITY, is_unstable(places[0]));
+    for two in places.windows(2) {
+        let is = is_unstable(two[1]);
+        if is != was {
+            let [mut low, mut high] = [two[0], two[1]];
+            for _ in 0..40 {
+                let middle = 0.5 * (low + high);
+                *(if is_unstable(middle) == was { &mut low } else { &mut high }) = middle;
+            }
+            sum += if was { below(high) - below(from) } else { 0.0 };
+            (from, was) = (high, is);
+        }
+    }
+    sum + if was { 1.0 - below(from) } else { 0.0 }
+}
+
+/// Searches on models of these seeds, and of how many the probability was neither 0 nor 1.
+fn compare(seeds: std::ops::Range<u64>) -> usize {
+    let mut between = 0;
+    let mut wrong = Vec::new();
+    let mut wide = 0;
+    let number = seeds.clone().count();
+    for seed in seeds {
+        let kind = KINDS[(seed % KINDS.len() as u64) as usize];
+        let (problem, path, region) = model(kind, seed);
+        let branches: &dyn Branches = &DenseBranches { problem: &problem, path: &path };
+        let places = [-9.0, -6.5, -4.5, -3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0, 4.5, 6.5, 9.0];
+        let found = branches.unstable_values(&region, &places, STEPS, &NoMemory).unwrap();
+        // Critical values are those of the threshold itself, where eigenvalues are not undamped to rounding.
+        let by = if kind == Kind::Undamped { 0.0 } else { RESOLUTION };
+        let counted = Region { damping_ratio: region.damping_ratio + by, ..region };
+        let is_unstable = |z: f64| {
+            let values = problem.at(&path.coefficients(z)).eigenvalues().unwrap();
+            values.iter().any(|value| counted.contains(*value))
+        };
+        let [low, high] = [&found.surely, &found.possibly].map(|set| probability(set));
+        // A window that the grid misses is seen in the middle of what was found.
+        let ends: Vec<f64> = found.surely.iter().flatten().copied().collect();
+        let middles: Vec<f64> = ends.windows(2).map(|two| 0.5 * (two[0] + two[1])).collect();
+        let expected = by_grid(&is_unstable, &middles);
+        between += usize::from(expected > 1e-12 && expected < 1.0 - 1e-12);
+        wide += usize::from(high - low > 1e-6);
+        // Where much is left open there is no number to be wrong.
+        let is_number = high - low <= 1e-3;
+        if is_number && (expected < low - 1e-6 || expected > high + 1e-6) {
+            wrong.push(format!("{kind:?} {seed}: {low} to {high}, by the grid {expected}"));
+        }
+    }
+    assert!(
+        wrong.is_empty(),
+        "{} of {number}, {between} between 0 and 1, {wide} wide:\n{}",
+        wrong.len(),
+        wrong.join("\n")
+    );
+    assert!(wide * 100 <= number, "{wide} of {number} are wide");
+    between
+}
+
+/// Every place at which an eigenvalue may pass a threshold of the damping ratio, of a model whose matrices are linear in the
+/// place, by one eigenvalue problem. A threshold is a ray of the complex plane. The first-order matrix `A`, turned so that the
+/// ray of `λ` is the imaginary axis and, the other way, so that of its conjugate is, has two eigenvalues there whose sum is 0:
+/// the Kronecker sum of both is singular. Places that belong to other pairs of eigenvalues are among them.
+fn by_eigenproblem(problem: &DenseQuadratic, path: &OverDeviate, damping_ratio: f64) -> Vec<f64> {
+    let angle = libm::asin(damping_ratio);
+    let sum = |z: f64| {
+        let matrix = problem.at(&path.coefficients(z)).companion().map(|value| Complex::new(value, 0.0));
+        let one = DMatrix::identity(matrix.nrows(), matrix.nrows());
+        let turned = |by: f64| matrix.map(|value| value * Complex::new(libm::cos(by), libm::sin(by)));
+        turned(-angle).kronecker(&one) + one.kronecker(&turned(angle))
+    };
+    // The sum is S(z) = S(z0) + (z - z0) T, and singular where 1 / (z0 - z) is an eigenvalue of the inverse of S(z0) times T.
+    let start = 0.377;
+    let slope = sum(1.0) - sum(0.0);
+    let product = sum(start).lu().solve(&slope).unwrap();
+    let values = Schur::new(product).eigenvalues().unwrap();
+    let places = values.iter().filter(|value| value.norm() > 1e-9).map(|value| Complex::from(start) - value.inv());
+    places.filter(|place| place.im.abs() < 1e-3 && place.re.abs() < 9.0).map(|place| place.re).collect()
+}
+
+/// The whole verdict from this eigenvalue problem, with all eigenvalues between its places.
+#[test]
+fn searches_over_a_parameter_find_what_one_eigenvalue_problem_shows() {
+    let linear = [Kind::Friction, Kind::Modulus, Kind::Damping, Kind::Divergence, Kind::Overdamped];
+    let (mut models, mut between, mut ends) = (0, 0, 0);
+    for seed in 0..3000 {
+        let kind = KINDS[(seed % KINDS.len() as u64) as usize];
+        let (problem, path, region) = model(kind, seed);
+        if !linear.contains(&kind) || problem.size() > 3 {
+            continue;
+        }
+        models += 1;
+        let region = Region { lowest: 0.0, highest: f64::INFINITY, ..region };
+        let mut breaks = by_eigenproblem(&problem, &path, region.damping_ratio);
+        breaks.extend([-9.0, 9.0]);
+        breaks.sort_by(f64::total_cmp);
+        let is_unstable = |two: &&[f64]| {
+            let values = problem.at(&path.coefficients(0.5 * (two[0] + two[1]))).eigenvalues().unwrap();
+            values.iter().any(|value| region.contains(*value))
+        };
+        let unstable: Vec<[f64; 2]> = breaks.windows(2).filter(is_unstable).map(|two| [two[0], two[1]]).collect();
+        let expected = probability(&unstable);
+        let branches: &dyn Branches = &DenseBranches { problem: &problem, path: &path };
+        let found = branches.unstable_values(&region, &[-9.0, -4.5, 0.0, 4.5, 9.0], STEPS, &NoMemory).unwrap();
+        let [low, high] = [&found.surely, &found.possibly].map(|set| probability(set));
+        assert!(
+            low - 1e-9 <= expected && expected <= high + 1e-9 && high - low < 1e-9,
+            "{kind:?} {seed}: {low} to {high}, by the eigenvalue problem {expected}"
+        );
+        between += usize::from(expected > 1e-12 && expected < 1.0 - 1e-12);
+        ends += found.surely.len();
+    }
+    assert!(models > 1000 && between > 200 && ends > between, "{models} {between} {ends}");
+}
+
+#[test]
+fn searches_over_a_parameter_find_what_all_eigenvalues_show() {
+    let between = compare(0..105);
+    assert!(between > 20, "{between}");
+}
+
+#[test]
+#[ignore = "takes minutes"]
+fn searches_over_a_parameter_of_many_models_find_what_all_eigenvalues_show() {
+    let between = compare(1000..6000);
+    assert!(between > 1000, "{between}");
+}

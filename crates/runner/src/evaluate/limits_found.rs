@@ -1,0 +1,173 @@
+//! What a search for limits finds in one combination of the other axes, with plain samples beside it.
+
+use stickslip_core::model::{IsStopped, ModelError};
+use stickslip_sampler::estimate::audit::PlainSamples;
+use stickslip_sampler::estimate::interval::Estimate;
+use stickslip_sampler::limits::Limit;
+use stickslip_sampler::limits::scan::Scan;
+
+use crate::evaluate::evaluator::Evaluator;
+use crate::evaluate::remembering::Asked;
+use crate::failure::Failure;
+use crate::job::{Job, LimitAxis};
+
+/// What ends a search.
+#[derive(Debug)]
+pub enum Ended {
+    /// It was stopped.
+    Stopped,
+    /// There is no configuration with this value of the axis.
+    NoSuchConfiguration(f64, ModelError),
+    /// The samples cannot be evaluated.
+    Failed(Failure),
+}
+
+/// The limits of one combination.
+#[derive(Debug, Clone)]
+pub struct CombinationLimits {
+    /// The smallest and the largest value of the axis.
+    pub ends: [Beside; 2],
+    /// The limits at each target; with what is beside a limit, if it has a value.
+    pub of_targets: Vec<Vec<(Limit, Option<Beside>)>>,
+}
+
+/// The probability at a value of the axis, and the plain samples there.
+#[derive(Debug, Clone, Copy)]
+pub struct Beside {
+    /// The value.
+    value: f64,
+    /// The probability, between bounds that hold on both sides of the value.
+    pub estimate: Estimate,
+    /// Samples with that value, if there are any.
+    pub plain: Option<PlainSamples>,
+}
+
+/// To which part of a value to each side of a limit its probability is looked at: it may jump there.
+const SIDE: f64 = 1e-8;
+
+impl Beside {
+    /// Without plain samples. `probability` is not checked.
+    pub fn unchecked(value: f64, probability: Option<f64>) -> Self {
+        Self { value, estimate: Estimate { probability, low: 0.0, high: 1.0 }, plain: None }
+    }
+
+    /// Whether the plain samples contradict the probability.
+    pub fn is_contradicted(&self) -> bool {
+        self.plain.is_some_and(|plain| plain.contradict([self.estimate.low, self.estimate.high]))
+    }
+}
+
+impl CombinationLimits {
+    /// From a scan and the limits at each target. `estimate` is that of the scan.
+    ///
+    /// # Errors
+    /// See [`Ended`].
+    pub fn new(
+        scan: &Scan,
+        of_targets: Vec<Vec<Limit>>,
+        estimate: impl Fn(f64) -> Result<Estimate, Ended>,
+    ) -> Result<Self, Ended> {
+        let ends = scan.ends().unwrap_or([(f64::NAN, Estimate { probability: None, low: 0.0, high: 1.0 }); 2]);
+        let [from, to] = ends.map(|(value, _)| value);
+        let beside = |limit: Limit| -> Result<(Limit, Option<Beside>), Ended> {
+            let Some(value) = limit.value else { return Ok((limit, None)) };
+            let step = SIDE * (to - from);
+            let below = estimate((value - step).max(from))?;
+            let above = estimate((value + step).min(to))?;
+            let (low, high) = (below.low.min(above.low), below.high.max(above.high));
+            let estimate = Estimate { probability: below.probability.or(above.probability), low, high };
+            Ok((limit, Some(Beside { value, estimate, plain: None })))
+        };
+        let with_estimates = |limits: Vec<Limit>| limits.into_iter().map(beside).collect::<Result<Vec<_>, _>>();
+        Ok(Self {
+            ends: ends.map(|(value, estimate)| Beside { value, estimate, plain: None }),
+            of_targets: of_targets.into_iter().map(with_estimates).collect::<Result<_, _>>()?,
+        })
+    }
+
+    /// Draws plain samples of a combination at its limits and at both ends of the axis, where the job has such.
+    ///
+    /// # Errors
+    /// See [`Ended`].
+    pub fn audit(
+        &mut self,
+        (job, axis, cell): (&Job, &LimitAxis, u64),
+        asked: &Asked<'_>,
+        is_stopped: IsStopped<'_>,
+    ) -> Result<(), Ended> {
+        let samples = job.plain_samples();
+        if samples == 0 {
+            return Ok(());
+        }
+        let limits = self.of_targets.iter_mut().flatten().filter_map(|(_, beside)| beside.as_mut());
+        for beside in self.ends.iter_mut().chain(limits) {
+            let read = |numbers: &[f64]| {
+                let &[decided, unstable] = numbers else { return None };
+                let is_count = |number: f64| number.fract() == 0.0 && (0.0..=samples as f64).contains(&number);
+                let are_counts = is_count(decided) && is_count(unstable) && unstable <= decided;
+                are_counts.then_some(PlainSamples { decided: decided as u64, unstable: unstable as u64 })
+            };
+            let write = |plain: &PlainSamples| vec![plain.decided as f64, plain.unstable as f64];
+            let find = || {
+                let job = axis.job_at(job, beside.value);
+                let evaluator = Evaluator::new(&job).map_err(Ended::Failed)?;
+                let counted = evaluator.audit_integral(cell, 0..samples, is_stopped).ok_or(Ended::Stopped)?.counts;
+                Ok(PlainSamples { decided: counted.stable + counted.unstable, unstable: counted.unstable })
+            };
+            beside.plain = Some(asked.ask(2, read, write, find)?);
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::PathBuf;
+
+    use super::*;
+    use crate::evaluate::remembering::tests::InMemory;
+    use crate::job::JobSource;
+
+    /// A third of the pads is unstable in the middle, none at the first preload and nearly all at the last.
+    const JOB: &str = "name = \"j\"\n[axes]\nrotating_speed = 15\npreload = [0.005, 0.3]\nstatic_friction = 0.39\n\
+        [random]\ninputs = [\"preload\", \"static_friction\"]\nrelative_std = 0.1\n[criterion]\nkind = \"eigenvalue\"\n\
+        [sampling]\nmethod = \"exact\"\n";
+
+    #[test]
+    fn plain_samples_contradict_a_wrong_probability_at_a_limit_and_at_each_end() {
+        let job = JobSource { path: PathBuf::from("job.toml"), text: JOB.to_owned() }.job().unwrap();
+        let axis = LimitAxis::named(&job, "preload").unwrap();
+        let beside = |value: f64, p: f64| Beside {
+            value,
+            estimate: Estimate { probability: Some(p), low: p, high: p },
+            plain: None,
+        };
+        // The probability at 0.0559726 is 0.01 with an error of 0, and a limit elsewhere is none.
+        let limit = Limit { state: stickslip_sampler::limits::State::Rises, value: Some(0.0), bounds: None };
+        for (place, ends, middle) in [
+            (None, [0.0, 0.999], 0.05),
+            (Some(0), [0.5, 0.999], 0.05),
+            (Some(1), [0.0, 0.5], 0.05),
+            (Some(2), [0.0, 0.999], 0.5),
+        ] {
+            let mut found = CombinationLimits {
+                ends: [beside(0.005, ends[0]), beside(0.3, ends[1])],
+                of_targets: vec![vec![(limit, Some(beside(0.0635, middle)))]],
+            };
+            let keeper = InMemory::default();
+            let audit = |found: &mut CombinationLimits, is_stopped: bool| {
+                found.audit((&job, &axis, 0), &Asked::new(Some(&keeper), (0, 1)), &|| is_stopped)
+            };
+            audit(&mut found, false).unwrap();
+            let [from, to] = found.ends;
+            let all = [from, to, found.of_targets[0][0].1.unwrap()];
+            let expected: Vec<bool> = (0..3).map(|each| place == Some(each)).collect();
+            assert_eq!(all.map(|each| each.is_contradicted()).to_vec(), expected, "{all:?}");
+            assert!(all.iter().all(|each| each.plain.is_some_and(|plain| plain.decided == job.plain_samples())));
+            // What is kept is not drawn again.
+            let mut again = found.clone();
+            audit(&mut again, true).unwrap();
+            assert_eq!(format!("{again:?}"), format!("{found:?}"));
+        }
+    }
+}
