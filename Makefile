@@ -9,7 +9,10 @@ MDBOOK_VERSION = 0.5.4
 MDBOOK_ROOT = target/mdbook-$(MDBOOK_VERSION)
 MDBOOK = $(MDBOOK_ROOT)/bin/mdbook
 
-.PHONY: run test test-faults test-slurm test-parallel program check packages docs docs-pictures wheel dist test-python test-dist test-reproducible test-aarch64 install uninstall bench bench-cluster bench-peers validity coverage clean
+# What `make check` does.
+CHECKS = check-format check-dependencies check-lints check-documentation check-packages check-stages
+
+.PHONY: run test test-faults test-slurm test-parallel program check $(CHECKS) packages docs docs-pictures wheel dist test-python test-dist test-reproducible test-aarch64 install uninstall bench bench-cluster bench-peers validity coverage clean
 .DEFAULT_GOAL := run
 
 # Build, and run the main job: Figure 14a.
@@ -32,7 +35,7 @@ test: target/readers/ready
 	else \
 	    echo "note: no Chromium, the test of the report in a browser is left out" >&2; \
 	fi; \
-	$(CARGO) test --locked --release --workspace
+	$(CARGO) test --locked --release --workspace --no-fail-fast
 
 # What happens to runs that are killed, starved, damaged or disturbed, see docs/faults.md. `make test-faults FAULTS=all` makes
 # the full number of tries, which takes hours.
@@ -143,20 +146,33 @@ install: program
 uninstall:
 	cd "$(DESTDIR)$(PREFIX)" && rm -rf $(INSTALLED) && rm -f share/man/man1/stickslip.1 share/man/man1/stickslip-*.1
 
-# Formatting, licences of dependencies, lints, documentation, the order of imports, and whether the crates can be packaged;
-# all warnings are errors. Building what was packaged takes minutes: `make packages` does.
-check:
+# Formatting, known vulnerabilities of dependencies, lints, documentation, and whether the crates can be packaged; all warnings
+# are errors. Building what was packaged takes minutes: `make packages` does. `make test` has the licences of dependencies and
+# the order of imports.
+check: $(CHECKS)
+
+check-format:
 	$(CARGO) fmt --all --check
-	$(CARGO) test --locked --quiet -p stickslip --test licences
+
+check-dependencies:
 	if $(CARGO) deny --version >/dev/null 2>&1; then \
 	    $(CARGO) deny --locked check; \
 	else \
 	    echo "note: no cargo-deny, known vulnerabilities of dependencies are not looked up" >&2; \
 	fi
-	$(CARGO) test --locked --quiet -p stickslip-core --test structure
+
+check-lints:
 	$(CARGO) clippy --locked --workspace --all-targets -- -D warnings
+
+check-documentation:
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --locked --workspace --no-deps
+
+check-packages:
 	$(CARGO) package --locked --quiet --workspace --allow-dirty --no-verify
+
+# What .ci/run reads from the output of tests.
+check-stages:
+	$(PYTHON) -B .ci/test_stages.py
 
 # The crates as others get them, each built from its package alone.
 packages:
