@@ -17,7 +17,7 @@ LAST = 40
 
 # What cargo, pytest and the fault suite print: the results of a program, where the output of a failed test begins or
 # ends, and the names of failed tests. The fault suite prints its rows twice.
-CARGO_PROGRAM = re.compile(r"^ +(?:Running|Doc-tests) (?:unittests )?(\S+)")
+CARGO_PROGRAM = re.compile(r"^ +(?:Running|Doc-tests) (?:unittests )?(?:\.\./)*(\S+)")
 CARGO_RESULT = re.compile(r"^test result: \S+ (\d+) passed; (\d+) failed;")
 CARGO_OUTPUT = re.compile(r"^---- (.+) std(?:out|err) ----$")
 CARGO_FAILED = re.compile(r"^test (.+?)(?: - should panic)? \.\.\. FAILED$")
