@@ -12,7 +12,7 @@ MDBOOK = $(MDBOOK_ROOT)/bin/mdbook
 # What `make check` does.
 CHECKS = check-format check-dependencies check-lints check-documentation check-packages check-stages
 
-.PHONY: run test test-faults test-slurm test-parallel program check $(CHECKS) packages docs docs-pictures wheel dist test-python test-dist test-reproducible test-aarch64 install uninstall bench bench-cluster bench-peers validity coverage clean
+.PHONY: run test test-optimisation test-faults test-slurm test-parallel program check $(CHECKS) packages docs docs-pictures wheel dist test-python test-dist test-reproducible test-aarch64 install uninstall bench bench-cluster bench-peers validity coverage clean
 .DEFAULT_GOAL := run
 
 # Build, and run the main job: Figure 14a.
@@ -23,7 +23,6 @@ run:
 # The tests. Those of the Python readers need Python with venv, those of the report a Chromium as well; without them they
 # are left out, with a word about it.
 test: target/readers/ready
-	$(CARGO) build --locked
 	if [ -x target/readers/bin/python ]; then \
 	    export STICKSLIP_PYTHON="$(CURDIR)/target/readers/bin/python"; \
 	else \
@@ -42,6 +41,12 @@ test: target/readers/ready
 test-faults:
 	$(CARGO) build --locked --release
 	$(PYTHON) -B tests/faults $(STICKSLIP) $(if $(filter all,$(FAULTS)),--all)
+
+# Whether the program gives the same bytes when it is optimised less, with checks for overflow. Builds it once more: for releases.
+test-optimisation:
+	$(CARGO) build --locked --profile quick
+	STICKSLIP_OTHER_PROGRAM="$(CURDIR)/target/quick/stickslip" \
+	    $(CARGO) test --locked --release -p stickslip --test determinism -- --ignored optimisation
 
 target/readers/ready: tests/requirements.txt
 	mkdir -p target/readers

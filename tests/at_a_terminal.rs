@@ -10,12 +10,9 @@ use std::io::{Read as _, Write as _};
 use std::process::{Child, Command, Stdio};
 use std::sync::{Arc, Mutex};
 use std::thread;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-use common::{Place, with_default_signals};
-
-/// Time in which a line is answered, on a busy machine too.
-const PATIENCE: Duration = Duration::from_secs(30);
+use common::{Place, wait_until, with_default_signals};
 
 /// A command at a terminal, and what stands there.
 struct Terminal {
@@ -59,11 +56,7 @@ impl Terminal {
     #[track_caller]
     fn type_and_wait_for(&mut self, text: &str, answer: &str) {
         self.child.stdin.as_mut().unwrap().write_all(text.as_bytes()).unwrap();
-        let begun = Instant::now();
-        while !self.said().contains(answer) {
-            assert!(begun.elapsed() < PATIENCE, "{answer} is not in:\n{}", self.said());
-            thread::sleep(Duration::from_millis(20));
-        }
+        wait_until(answer, || self.said().contains(answer));
     }
 
     /// Types the end and returns all that was said.

@@ -6,10 +6,10 @@ mod common;
 
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::Stdio;
 use std::time::Duration;
 
-use common::{Place, Table, change_piece};
+use common::{Place, Table, change_piece, send, tried_until_met, wait_until_it_watches};
 use serde_json::Value;
 
 /// A job over 3 by 3 cells with further lines for `[criterion]` and `[sampling]`.
@@ -361,14 +361,20 @@ fn what_cannot_be_compared_is_refused() {
 fn ctrl_c_ends_a_comparison() {
     // Counting is fast, but comparing sample by sample is slower.
     let place = runs(15.0, &[("long", EIGENVALUE, "samples = 30_000_000")]);
-    let mut command = place.command("compare runs/long runs/long --out out.parquet");
-    let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-    std::thread::sleep(Duration::from_millis(400));
-    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
-    let output = child.wait_with_output().unwrap();
-    let stderr = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(output.status.code(), Some(130), "{stderr}");
-    assert!(stderr.contains("interrupted; nothing was compared"), "{stderr}");
+    // At some moment it compares.
+    let output = tried_until_met(|attempt| {
+        let mut command = place.command("compare runs/long runs/long --out out.parquet");
+        let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        wait_until_it_watches(&mut child);
+        std::thread::sleep(Duration::from_millis(20 << (attempt % 6)));
+        send(&child, "INT");
+        let output = child.wait_with_output().unwrap();
+        let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+        match output.status.code() {
+            Some(130) if stderr.contains("interrupted; nothing was compared") => Ok(output),
+            code => Err(format!("{code:?} {stderr}")),
+        }
+    });
     assert!(output.stdout.is_empty() && !place.path("out.parquet").exists());
 }
 

@@ -8,10 +8,8 @@ mod common;
 use std::fs;
 use std::os::unix::fs::{PermissionsExt as _, symlink};
 use std::process::{Child, Command, Stdio};
-use std::thread;
-use std::time::{Duration, Instant};
 
-use common::{BOTH, EIGENVALUE, Outcome, Place, job};
+use common::{BOTH, EIGENVALUE, Outcome, Place, job, send, wait_until};
 
 /// Takes the place of `sbatch`: notes its arguments in a line, with those of several lines quoted, and counts jobs.
 const SBATCH: &str = r#"#!/bin/bash
@@ -184,25 +182,17 @@ fn task_under_way(place: &Place) -> Child {
     place.run("submit slow.toml --engine slurm --shards 2 --out slow").done();
     let mut task = script(place, "slow", "shard.sh", 1);
     let task = task.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
-    let started = Instant::now();
-    while !place.run("status slow").done().stdout.contains("; at work: 1;") {
-        assert!(started.elapsed() < Duration::from_secs(60), "the shard has not begun");
-        thread::sleep(Duration::from_millis(50));
-    }
+    wait_until("a shard at work", || place.run("status slow").done().stdout.contains("; at work: 1;"));
     task
-}
-
-fn signal(child: &Child, name: &str) {
-    assert!(Command::new("kill").args([name, &child.id().to_string()]).status().unwrap().success());
 }
 
 #[test]
 fn a_task_is_put_into_the_queue_again_at_its_time_limit_and_not_when_it_is_cancelled() {
     let place = cluster();
-    for (name, requeued) in [("-USR1", true), ("-TERM", false)] {
+    for (name, requeued) in [("USR1", true), ("TERM", false)] {
         let mut task = task_under_way(&place);
         let _ = fs::remove_file(place.path("record"));
-        signal(&task, name);
+        send(&task, name);
         assert_eq!(task.wait().unwrap().code(), Some(143), "{name}");
         let expected = if requeued { vec!["scontrol requeue 77_1".to_owned()] } else { Vec::new() };
         assert_eq!(record(&place), expected, "{name}");

@@ -4,10 +4,7 @@
 
 mod common;
 
-use std::thread;
-use std::time::{Duration, Instant};
-
-use common::{BOTH, EIGENVALUE, Place, job};
+use common::{BOTH, EIGENVALUE, Place, job, wait_for};
 
 const FROM_REST: &str = "kind = \"time-domain\"\ndisc = \"rigid\"\nstart = \"rest\"";
 
@@ -98,14 +95,9 @@ fn tiles_are_kept_while_others_go_on_arriving() {
     let text = job("job", FROM_REST, BOTH, "samples = 1_000_000\nevaluate = \"boundary\"");
     place.write("job.toml", &text.replace("rotating_speed = 15.0", speeds));
     let mut child = place.command("submit job.toml --out run --map-only").spawn().unwrap();
-    let began = Instant::now();
-    while tiles(&place, "run") == 0 && began.elapsed() < Duration::from_secs(60) {
-        thread::sleep(Duration::from_millis(20));
-    }
-    let was_running = child.try_wait().unwrap().is_none();
+    wait_for("a tile", &mut child, || tiles(&place, "run") > 0);
     child.kill().unwrap();
     child.wait().unwrap();
-    assert!(was_running, "the job is too short for this test");
     let said = place.run("submit job.toml --out run --map-only").done().stderr;
     let whole = place.run("submit job.toml --out whole --map-only").done().stderr;
     assert!(simulations(&said) < simulations(&whole), "{said}{whole}");

@@ -2,6 +2,9 @@
 
 from playwright.sync_api import sync_playwright
 
+# Milliseconds in which only what hangs does not come.
+PATIENCE = 600_000
+
 
 def listen(page, messages, schemes):
     """Console messages that `messages` picks, errors, and every address outside the file that the page asks for."""
@@ -21,9 +24,10 @@ def fits(page, name):
 def in_all_windows(chromium, *checks):
     """Runs checks, each with a new page, in wide and narrow windows, light and dark."""
     with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=chromium, args=["--no-sandbox"])
+        browser = playwright.chromium.launch(executable_path=chromium, args=["--no-sandbox"], timeout=PATIENCE)
         for width, scheme in [(1400, "light"), (400, "light"), (1400, "dark")]:
             context = browser.new_context(viewport={"width": width, "height": 900}, color_scheme=scheme)
+            context.set_default_timeout(PATIENCE)
             for check in checks:
                 check(context.new_page(), f"{width}-{scheme}")
             context.close()

@@ -13,7 +13,7 @@ use std::process::{Child, Command, Output, Stdio};
 use std::thread;
 use std::time::Duration;
 
-use common::{Place, surface_job, with_default_signals};
+use common::{Place, send, surface_job, tried_until_met, wait_for, wait_until_it_watches, with_default_signals};
 
 /// Starts a command of a shell, in which `stickslip` stands for the program.
 fn start(place: &Place, script: &str) -> Child {
@@ -21,20 +21,6 @@ fn start(place: &Place, script: &str) -> Child {
     let mut shell = with_default_signals("sh");
     shell.args(["-c", &script]).current_dir(place.path("")).stdin(Stdio::null());
     shell.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
-}
-
-fn send(child: &Child, signal: &str) {
-    let sent = Command::new("kill").args([&format!("-{signal}"), &child.id().to_string()]).status();
-    assert!(sent.unwrap().success());
-}
-
-/// Waits until something is there that a command makes.
-#[track_caller]
-fn wait_for(child: &mut Child, is_there: impl Fn() -> bool) {
-    while !is_there() {
-        assert!(child.try_wait().unwrap().is_none(), "it ended too soon for this test");
-        thread::sleep(Duration::from_millis(2));
-    }
 }
 
 #[track_caller]
@@ -54,9 +40,9 @@ fn unfinished(place: &Place, folder: &str) -> usize {
     entries.filter(|entry| entry.as_ref().unwrap().file_name().to_string_lossy().starts_with(".unfinished")).count()
 }
 
-/// A job that takes about a minute.
+/// A job that no test sees the end of.
 fn long_job(place: &Place) {
-    place.write("job.toml", &surface_job("long", 20, 20_000_000, 3));
+    place.write("job.toml", &surface_job("long", 20, 2_000_000_000, 3));
 }
 
 #[test]
@@ -75,18 +61,25 @@ fn every_signal_that_ends_a_process_is_obeyed() {
         ("VTALRM", 26, "ended by SIGVTALRM"),
         ("40", 40, "ended by signal 40"),
     ] {
-        let is_new = !place.path("run/job.toml").exists();
-        let words_of_command =
-            if is_new { "exec stickslip submit job.toml --out run" } else { "exec stickslip resume run" };
-        let before = place.pieces("run/shards");
-        let mut child = start(&place, words_of_command);
-        wait_for(&mut child, || place.pieces("run/shards") > before + 1);
-        send(&child, signal);
-        let said = ended(child, 128 + number, &[words, "saving what is finished", "`stickslip resume run`"]);
-        assert!(said.contains("samples are kept"), "{said}");
-        assert_eq!(unfinished(&place, "run/shards"), 0);
-        let record = fs::read_to_string(place.path("run/run.json")).unwrap();
-        assert!(record.contains(&format!("\"outcome\": \"{words}\"")), "{record}");
+        tried_until_met(|_| {
+            let is_new = !place.path("run/job.toml").exists();
+            let words_of_command =
+                if is_new { "exec stickslip submit job.toml --out run" } else { "exec stickslip resume run" };
+            let before = place.pieces("run/shards");
+            let mut child = start(&place, words_of_command);
+            wait_for("pieces", &mut child, || place.pieces("run/shards") > before + 1);
+            send(&child, signal);
+            let said = ended(child, 128 + number, &[words, "saving what is finished", "`stickslip resume run`"]);
+            // A busy machine may not have the time to save.
+            if said.contains("given up") {
+                return Err(said);
+            }
+            assert!(said.contains("samples are kept"), "{said}");
+            assert_eq!(unfinished(&place, "run/shards"), 0);
+            let record = fs::read_to_string(place.path("run/run.json")).unwrap();
+            assert!(record.contains(&format!("\"outcome\": \"{words}\"")), "{record}");
+            Ok(())
+        });
     }
 }
 
@@ -95,8 +88,8 @@ fn a_command_without_work_obeys_signals_too() {
     let place = Place::new();
     place.run("init job.toml").done();
     assert!(Command::new("mkfifo").arg(place.path("pipe")).status().unwrap().success());
-    let child = start(&place, "exec stickslip check pipe");
-    thread::sleep(Duration::from_millis(500));
+    let mut child = start(&place, "exec stickslip check pipe");
+    wait_until_it_watches(&mut child);
     send(&child, "HUP");
     ended(child, 129, &["ended by SIGHUP"]);
 }
@@ -106,13 +99,12 @@ fn signals_that_were_ignored_at_the_start_stay_so() {
     let place = Place::new();
     long_job(&place);
     let mut child = start(&place, "trap '' HUP TERM USR1; exec stickslip submit job.toml --out run");
-    wait_for(&mut child, || place.pieces("run/shards") > 0);
+    wait_for("a piece", &mut child, || place.pieces("run/shards") > 0);
     for signal in ["HUP", "TERM", "USR1"] {
         send(&child, signal);
     }
-    thread::sleep(Duration::from_millis(1000));
     let before = place.pieces("run/shards");
-    wait_for(&mut child, || place.pieces("run/shards") > before);
+    wait_for("further pieces", &mut child, || place.pieces("run/shards") > before + 2);
     send(&child, "INT");
     let said = ended(child, 130, &["interrupted"]);
     assert!(!said.contains("ended by") && !said.contains("terminated"), "{said}");
@@ -140,12 +132,21 @@ fn obstruct(place: &Place, name: &str) {
 fn a_signal_says_how_to_go_on_though_the_record_cannot_be_written() {
     let place = Place::new();
     long_job(&place);
-    let mut child = start(&place, "exec stickslip submit job.toml --out run");
-    wait_for(&mut child, || place.pieces("run/shards") > 0);
-    obstruct(&place, "run/run.json");
-    send(&child, "TERM");
-    let said = ended(child, 143, &["terminated", "warning: cannot write run/run.json", "`stickslip resume run`"]);
-    assert!(said.lines().last().unwrap().contains("samples are kept; continue with"), "{said}");
+    tried_until_met(|_| {
+        let _ = fs::remove_dir_all(place.path("run"));
+        let mut child = start(&place, "exec stickslip submit job.toml --out run");
+        wait_for("a piece", &mut child, || place.pieces("run/shards") > 0);
+        obstruct(&place, "run/run.json");
+        send(&child, "TERM");
+        let said = ended(child, 143, &["terminated", "`stickslip resume run`"]);
+        // A busy machine may not have the time to save.
+        if said.contains("given up") {
+            return Err(said);
+        }
+        assert!(said.contains("warning: cannot write run/run.json"), "{said}");
+        assert!(said.lines().last().unwrap().contains("samples are kept; continue with"), "{said}");
+        Ok(())
+    });
 }
 
 #[test]
@@ -176,25 +177,30 @@ fn a_signal_removes_the_files_that_are_not_finished() {
     place.write("job.toml", &job);
     place.run("submit job.toml --out run").done();
     fs::create_dir(place.path("out")).unwrap();
-    let mut caught = 0;
-    for _ in 0..5 {
-        let mut child = start(&place, "exec stickslip export run --format csv --out out/wide.csv");
-        while unfinished(&place, "out") == 0 && child.try_wait().unwrap().is_none() {
-            thread::sleep(Duration::from_millis(1));
-        }
-        send(&child, "TERM");
-        let output = child.wait_with_output().unwrap();
-        let is_whole = place.path("out/wide.csv").exists();
-        assert_eq!(output.status.code(), Some(if is_whole && output.status.success() { 0 } else { 143 }));
-        assert_eq!(unfinished(&place, "out"), 0, "it left a temporary file");
-        caught += u32::from(!is_whole);
-        if is_whole {
+    // Until signals have come while the file was written.
+    for _ in 0..3 {
+        tried_until_met(|_| {
+            let mut child = start(&place, "exec stickslip export run --format csv --out out/wide.csv");
+            while unfinished(&place, "out") == 0 && child.try_wait().unwrap().is_none() {
+                thread::sleep(Duration::from_millis(1));
+            }
+            // Of one that has ended and is not waited for, there is a process still.
+            if child.try_wait().unwrap().is_none() {
+                send(&child, "TERM");
+            }
+            let output = child.wait_with_output().unwrap();
+            let is_whole = place.path("out/wide.csv").exists();
+            assert_eq!(output.status.code(), Some(if is_whole && output.status.success() { 0 } else { 143 }));
+            assert_eq!(unfinished(&place, "out"), 0, "it left a temporary file");
+            if !is_whole {
+                return Ok(());
+            }
             let lines = fs::read_to_string(place.path("out/wide.csv")).unwrap().lines().count();
             assert_eq!(lines, 62_501, "a part of it has the final name");
             fs::remove_file(place.path("out/wide.csv")).unwrap();
-        }
+            Err("the file was whole before the signal".to_owned())
+        });
     }
-    assert!(caught > 0, "no signal came while the file was written");
 }
 
 #[test]

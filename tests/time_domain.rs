@@ -5,7 +5,7 @@
 
 mod common;
 
-use common::{Place, Table, other_build, repository, surface_job};
+use common::{Place, Table, repository, surface_job};
 
 /// A job over `points` by `points` cells around Figure 14b; `criterion` are lines after `kind = "time-domain"`.
 fn job(name: &str, points: usize, samples: u64, criterion: &str) -> String {
@@ -100,19 +100,6 @@ fn threads_shards_and_interruptions_do_not_change_a_byte() {
     place.run("submit job.toml --out grown --samples 1700").done();
     place.run("submit job.toml --out grown").done();
     assert!(place.surface("whole") == place.surface("grown"));
-}
-
-#[test]
-fn debug_and_release_builds_write_the_same_bytes() {
-    let (here, there) = (Place::new(), Place::new().with_program(&other_build()));
-    for disc in ["flexible", "rigid"] {
-        let job = job(disc, 3, 40, &format!("disc = \"{disc}\"\nrecord = [\"amplitude\"]"));
-        for place in [&here, &there] {
-            place.write("job.toml", &job);
-            place.run("submit job.toml").done();
-        }
-        assert!(here.surface(&format!("runs/{disc}")) == there.surface(&format!("runs/{disc}")), "{disc}");
-    }
 }
 
 fn json(text: &str) -> serde_json::Value {

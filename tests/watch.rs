@@ -5,29 +5,18 @@
 mod common;
 
 use std::io::{BufRead as _, BufReader};
-use std::process::{Child, Command, Stdio};
-use std::thread;
-use std::time::{Duration, Instant};
+use std::process::{Child, Stdio};
 
-use common::{BOTH, EIGENVALUE, Place, job, submitted};
+use common::{BOTH, EIGENVALUE, Place, job, send, submitted, wait_for};
 
 /// A run that takes minutes, under way, with some samples saved.
 fn slow_run(place: &Place) -> Child {
     let text = job("slow", "kind = \"time-domain\"\ndisc = \"rigid\"", BOTH, "samples = 1_000_000");
     place.write("slow.toml", &text);
     let mut command = place.command("submit slow.toml --out slow --threads 1");
-    let child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
-    let started = Instant::now();
-    let pieces = || place.pieces("slow/shards");
-    while pieces() == 0 {
-        assert!(started.elapsed() < Duration::from_secs(120), "no piece was saved");
-        thread::sleep(Duration::from_millis(50));
-    }
+    let mut child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    wait_for("a piece", &mut child, || place.pieces("slow/shards") > 0);
     child
-}
-
-fn interrupt(child: &Child) {
-    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
 }
 
 #[test]
@@ -46,7 +35,7 @@ fn a_run_under_way_is_shown_in_blocks_until_it_ends() {
     // The rate is known after the second arrival.
     let rate = lines.by_ref().find(|line| line.contains(" samples/s, about ")).unwrap();
     assert!(rate.ends_with(" left"), "{rate}");
-    interrupt(&run);
+    send(&run, "INT");
     run.wait().unwrap();
     let rest: Vec<String> = lines.collect();
     for line in block.iter().chain(&rest) {
@@ -81,7 +70,7 @@ fn a_signal_ends_the_watch_and_not_the_run() {
     let mut watch = watch.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     let mut first = String::new();
     BufReader::new(watch.stdout.as_mut().unwrap()).read_line(&mut first).unwrap();
-    interrupt(&watch);
+    send(&watch, "INT");
     let output = watch.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(130));
     let said = String::from_utf8(output.stderr).unwrap();

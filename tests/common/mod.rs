@@ -9,9 +9,9 @@ pub mod ten_inputs;
 use std::ffi::{OsStr, OsString};
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::{Child, Command, Stdio};
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use arrow::array::{Array as _, Float64Array, Int64Array, StringArray};
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
@@ -65,6 +65,81 @@ pub fn change_piece(piece: &Path, change: impl FnOnce(&mut [Value])) {
     change(&mut lines);
     fs::remove_file(piece).unwrap();
     write_piece(piece.parent().unwrap(), &lines);
+}
+
+/// How long a test waits for what has to come: only what hangs takes as long, however busy the machine is.
+pub const PATIENCE: Duration = Duration::from_secs(600);
+
+/// Waits until something is there.
+#[track_caller]
+pub fn wait_until(what: &str, mut is_there: impl FnMut() -> bool) {
+    let begun = Instant::now();
+    while !is_there() {
+        assert!(begun.elapsed() < PATIENCE, "{what}: it does not come");
+        thread::sleep(Duration::from_millis(5));
+    }
+}
+
+/// Waits until something is there that a command makes which goes on.
+#[track_caller]
+pub fn wait_for(what: &str, child: &mut Child, mut is_there: impl FnMut() -> bool) {
+    wait_until(what, || {
+        let is_there = is_there();
+        assert!(is_there || child.try_wait().unwrap().is_none(), "the command ended before {what}");
+        is_there
+    });
+}
+
+/// Tries again what depends on a moment that a test cannot choose, until it meets the moment; `attempt` gets the number of
+/// the try, and returns what was wrong with the moment.
+#[track_caller]
+pub fn tried_until_met<T>(mut attempt: impl FnMut(u32) -> Result<T, String>) -> T {
+    let begun = Instant::now();
+    let mut number = 0;
+    loop {
+        match attempt(number) {
+            Ok(met) => return met,
+            Err(why) => assert!(begun.elapsed() < PATIENCE, "{} tries: {why}", number + 1),
+        }
+        number += 1;
+    }
+}
+
+/// Sends a signal to a command.
+#[track_caller]
+pub fn send(child: &Child, signal: &str) {
+    let sent = Command::new("kill").args([&format!("-{signal}"), &child.id().to_string()]).status();
+    assert!(sent.unwrap().success());
+}
+
+/// Waits until a command watches for the signals that end it, as it does before it begins to work.
+#[track_caller]
+pub fn wait_until_it_watches(child: &mut Child) {
+    let status = format!("/proc/{}/status", child.id());
+    if !cfg!(target_os = "linux") {
+        thread::sleep(Duration::from_secs(1));
+        return;
+    }
+    wait_for("it watches for signals", child, || {
+        let text = fs::read_to_string(&status).unwrap_or_default();
+        let caught = text.lines().find_map(|line| line.strip_prefix("SigCgt:"));
+        // SIGHUP, SIGINT and SIGTERM.
+        caught.is_some_and(|mask| u64::from_str_radix(mask.trim(), 16).unwrap() & 0x4003 == 0x4003)
+    });
+}
+
+/// The time that a process has had on processors so far, as others may be busy; since `begun` where the system does not
+/// say. A hundredth of a second is its unit on Linux.
+pub fn time_on_processors(process: u32, begun: Instant) -> Duration {
+    let Ok(stat) = fs::read_to_string(format!("/proc/{process}/stat")) else { return begun.elapsed() };
+    // Nothing is left of a process that has ended.
+    if stat.is_empty() {
+        return begun.elapsed();
+    }
+    // What follows the name, which may hold spaces: the state is the first, user and system time the twelfth and next.
+    let fields: Vec<&str> = stat.rsplit(')').next().unwrap().split_whitespace().collect();
+    let ticks: u64 = [fields[11], fields[12]].iter().map(|ticks| ticks.parse::<u64>().unwrap()).sum();
+    Duration::from_millis(10 * ticks)
 }
 
 /// A directory of its own for one test.
@@ -171,23 +246,68 @@ impl Place {
         }
     }
 
-    /// Submits `job.toml`, and repeatedly kills it after a delay in milliseconds and resumes it. Asserts that its
-    /// surface is that of the run `whole` in the end, and that at least `hits` of the kills found it running.
+    /// Runs a command that must not wait for anything.
     #[track_caller]
-    pub fn assert_survives_kills(&self, whole: &str, delays: &[u64], hits: u32) {
-        let mut was_alive = 0;
-        for &delay in delays {
-            let words =
-                if self.path("killed/job.toml").exists() { "resume killed" } else { "submit job.toml --out killed" };
-            let mut command = self.command(&format!("{words} --threads 1"));
+    pub fn run_unless_it_hangs(&self, words: &str) -> Outcome {
+        let mut child = self.command(words).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        let begun = Instant::now();
+        while child.try_wait().unwrap().is_none() {
+            if begun.elapsed() > PATIENCE {
+                child.kill().unwrap();
+                panic!("`stickslip {words}` does not end");
+            }
+            thread::sleep(Duration::from_millis(5));
+        }
+        let output = child.wait_with_output().unwrap();
+        Outcome {
+            code: output.status.code(),
+            stdout: String::from_utf8_lossy(&output.stdout).into_owned(),
+            stderr: String::from_utf8_lossy(&output.stderr).into_owned(),
+        }
+    }
+
+    /// Starts to run `job.toml` in a directory, or resumes that.
+    pub fn begin_or_go_on(&self, run: &str) -> Command {
+        // A job.toml appears whole or not at all, so one of the two always applies.
+        match self.path(run).join("job.toml").exists() {
+            true => self.command(&format!("resume {run} --threads 1")),
+            false => self.command(&format!("submit job.toml --out {run} --threads 1")),
+        }
+    }
+
+    /// Submits `job.toml` into `killed`, and repeatedly kills it when it has had so many milliseconds on processors, and goes
+    /// on. Asserts that its surface is that of the run `whole` in the end, after at least `hits` kills that found it running.
+    /// Where it comes to its end before, it begins anew, and is killed sooner.
+    #[track_caller]
+    pub fn assert_survives_kills(&self, whole: &str, delays: &[u64], hits: usize) {
+        let (mut found_running, mut sooner) = (0, 1);
+        for (number, &delay) in delays.iter().cycle().enumerate() {
+            if number >= delays.len() && found_running >= hits {
+                break;
+            }
+            let begun = Instant::now();
+            let mut command = self.begin_or_go_on("killed");
             let mut child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
-            thread::sleep(Duration::from_millis(delay));
-            was_alive += u32::from(child.try_wait().unwrap().is_none());
+            let delay = Duration::from_millis(delay) / sooner;
+            let is_running = loop {
+                if child.try_wait().unwrap().is_some() {
+                    break false;
+                } else if time_on_processors(child.id(), begun) >= delay {
+                    break true;
+                }
+                thread::sleep(Duration::from_millis(1));
+            };
             child.kill().unwrap();
             child.wait().unwrap();
+            if is_running {
+                found_running += 1;
+            } else {
+                assert!(self.surface(whole) == self.surface("killed"));
+                fs::remove_dir_all(self.path("killed")).unwrap();
+                sooner *= 2;
+            }
         }
-        assert!(was_alive >= hits, "the job is too short for this test: only {was_alive} kills hit it running");
-        self.run("resume killed").done();
+        assert!(self.begin_or_go_on("killed").output().unwrap().status.success());
         assert!(self.surface(whole) == self.surface("killed"));
     }
 
@@ -221,21 +341,6 @@ pub fn assert_succeeds(command: &mut Command) {
     let output = command.output().unwrap();
     let [stdout, stderr] = [&output.stdout, &output.stderr].map(|bytes| String::from_utf8_lossy(bytes));
     assert!(output.status.success(), "{command:?}\n{stdout}{stderr}");
-}
-
-/// The program built with the other profile (debug or release) than this test.
-pub fn other_build() -> PathBuf {
-    let mut build = Command::new(env!("CARGO"));
-    build.args(["build", "--locked", "--quiet", "-p", "stickslip"]).current_dir(repository());
-    let profile = if cfg!(debug_assertions) {
-        build.arg("--release");
-        "release"
-    } else {
-        "debug"
-    };
-    assert!(build.status().unwrap().success());
-    let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| repository().join("target"), PathBuf::from);
-    target.join(profile).join("stickslip")
 }
 
 /// A job over `points` by `points` cells around Figure 14a.

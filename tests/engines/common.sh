@@ -46,10 +46,10 @@ daemon() {
     disown
 }
 
-# wait_for SECONDS WHAT COMMAND...: until the command succeeds.
+# wait_for WHAT COMMAND...: until the command succeeds; only what hangs takes half an hour.
 wait_for() {
-    local deadline=$((SECONDS + $1)) what=$2
-    shift 2
+    local deadline=$((SECONDS + 1800)) what=$1
+    shift
     until "$@"; do
         [ "$SECONDS" -lt "$deadline" ] || fail "no $what in time"
         sleep 0.2

@@ -41,8 +41,8 @@ StrictHostKeyChecking accept-new
 LogLevel ERROR
 EOF
 logs_in() { ssh -F "$place/ssh.conf" "$1" true 2>/dev/null; }
-wait_for 20 "login to the first machine" logs_in 127.0.0.1
-wait_for 20 "login to the second machine" logs_in 127.0.0.2
+wait_for "login to the first machine" logs_in 127.0.0.1
+wait_for "login to the second machine" logs_in 127.0.0.2
 say "two daemons of ssh are up"
 
 # A path that shells and parallel could misread.
@@ -59,7 +59,7 @@ say "a job of 12 seconds at $samples_per_second samples/s"
     >"$place/submit.log" 2>&1 &
 submitted=$!
 some_are_done() { "$program" status "$run" 2>/dev/null | grep -qE 'shards: [1-6] of 8 done'; }
-wait_for 60 "shard" some_are_done
+wait_for "shard" some_are_done
 # The daemon, the sessions, and what runs in them.
 kill -KILL $(family "$(cat "$place/sshd.127.0.0.2.daemon")") 2>/dev/null || true
 say "the second machine is lost; $("$program" status "$run" | grep "^shards")"

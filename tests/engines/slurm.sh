@@ -61,13 +61,13 @@ head -c 1024 /dev/urandom > "$place/munge.key"
 chmod 600 "$place/munge.key"
 daemon munged munged -F --force --key-file="$place/munge.key" --socket="$place/munge.sock" \
     --pid-file="$place/munged.pid" --log-file="$place/munged.log" --seed-file="$place/munge.seed"
-wait_for 20 "munged" test -S "$place/munge.sock"
+wait_for "munged" test -S "$place/munge.sock"
 daemon slurmctld slurmctld -D
 start_node n1
 start_node n2
 is_up() { sinfo --noheader --format=%t --Node --nodes="$1" 2>/dev/null | grep -qxE 'idle|mix|alloc'; }
-wait_for 40 "first node" is_up n1
-wait_for 40 "second node" is_up n2
+wait_for "first node" is_up n1
+wait_for "second node" is_up n2
 say "a controller and two nodes are up"
 
 # Job numbers that submitting a run has printed, the array first.
@@ -124,11 +124,11 @@ read -r limited _ < <(submit limited long --shards 1 --time 1 --sbatch=--signal=
 reference=$!
 
 read -r lost _ < <(submit lost short --shards 8)
-wait_for 60 "tasks on n1" running_on n1 "$lost"
+wait_for "tasks on n1" running_on n1 "$lost"
 sleep 1
 lose_n1
 say "n1 is lost with its tasks; $("$program" status "$place/lost" | grep "^shards")"
-wait_for 120 "surface after the loss of a node" is_written lost
+wait_for "surface after the loss of a node" is_written lost
 wait "$reference"
 same "$place/lost" "$place/whole-short"
 [ "$(restarts "$lost")" -ge 1 ] || fail "no task of n1 was started again"
@@ -137,16 +137,16 @@ say "a node was lost: $(restarts "$lost") restarts, the surface is that of a sin
 "$program" submit "$place/long.toml" --out "$place/whole-long" >/dev/null 2>&1 &
 reference=$!
 start_node n1
-wait_for 60 "two nodes" is_up n1
+wait_for "two nodes" is_up n1
 read -r twice _ < <(submit twice short --shards 8)
-wait_for 60 "tasks on n1" running_on n1 "$twice"
+wait_for "tasks on n1" running_on n1 "$twice"
 sleep 1
 kill -KILL "$(cat "$place/slurmd.n1.daemon")"
 scontrol update nodename=n1 state=down reason=lost
 orphans=$(tasks_of n1 | wc -w)
 [ "$orphans" -ge 1 ] || fail "no task of n1 has survived its daemon"
 say "the daemon of n1 is lost, and $orphans processes of its tasks go on"
-wait_for 120 "surface after the loss of a daemon" is_written twice
+wait_for "surface after the loss of a daemon" is_written twice
 same "$place/twice" "$place/whole-short"
 [ "$(restarts "$twice")" -ge 1 ] || fail "no task of n1 was started again"
 say "tasks ran twice: $(restarts "$twice") restarts, the surface is that of a single process"
@@ -154,7 +154,7 @@ say "tasks ran twice: $(restarts "$twice") restarts, the surface is that of a si
 wait "$reference"
 for name in $searches; do "$program" submit "$place/$name.toml" --out "$place/whole-$name" >/dev/null 2>&1; done
 start_node n1
-wait_for 60 "two nodes" is_up n1
+wait_for "two nodes" is_up n1
 tasks=
 for name in $searches; do
     read -r task _ < <(submit "lost-$name" "$name" --shards 2 --sbatch=--nodelist=n1)
@@ -162,8 +162,8 @@ for name in $searches; do
 done
 # What Slurm sends before a time limit.
 read -r warned _ < <(submit warned importance --shards 1 --sbatch=--exclude=n1)
-wait_for 60 "searches on n1" running_on n1 "$tasks"
-wait_for 60 "search on n2" is_running "$warned"
+wait_for "searches on n1" running_on n1 "$tasks"
+wait_for "search on n2" is_running "$warned"
 sleep 4
 scancel --batch --signal=USR1 "$warned"
 lose_n1
@@ -171,18 +171,18 @@ say "n1 is lost with the searches of $searches"
 # It comes back, as after a power cut.
 start_node n1
 for name in $searches; do
-    wait_for 240 "surface of $name after the loss of a node" is_written "lost-$name"
+    wait_for "surface of $name after the loss of a node" is_written "lost-$name"
     same "$place/lost-$name" "$place/whole-$name"
 done
 say "a node was lost with searches for rare events and a verdict map: the surfaces are those of a single process"
 
-wait_for 180 "surface of a search that was warned" is_written warned
+wait_for "surface of a search that was warned" is_written warned
 same "$place/warned" "$place/whole-importance"
 grep -h terminated "$place"/warned/slurm/shard-*.log >/dev/null || fail "no search was warned of its time limit"
 [ "$(restarts "$warned")" -ge 1 ] || fail "no search was started again"
 say "a search was warned of its time limit: $(restarts "$warned") restarts, the surface is that of a single process"
 
-wait_for 180 "surface after time limits" is_written limited
+wait_for "surface after time limits" is_written limited
 same "$place/limited" "$place/whole-long"
 grep -h terminated "$place"/limited/slurm/shard-*.log >/dev/null || fail "no task has reached its time limit"
 [ "$(restarts "$limited")" -ge 1 ] || fail "no task was started again"

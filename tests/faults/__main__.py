@@ -125,7 +125,7 @@ def main() -> int:
     parser.add_argument("--try", metavar="LABEL", help="only the try of this name, as a failure shows it")
     parser.add_argument("--seed", type=int, default=1, help="of everything that is chosen at random")
     parser.add_argument("--seconds", type=float, help="begin no row later than this")
-    parser.add_argument("--limit", type=float, default=60, help="seconds after which a command counts as hanging")
+    parser.add_argument("--limit", type=float, default=600, help="seconds after which a command counts as hanging")
     options = parser.parse_args()
     obey_signals()
     # What was started is ended, too.

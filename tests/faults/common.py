@@ -88,6 +88,14 @@ class Running:
     def is_alive(self) -> bool:
         return self.process.poll() is None
 
+    def work(self) -> float:
+        """Seconds that it has had on processors so far."""
+        try:
+            fields = Path(f"/proc/{self.process.pid}/stat").read_text().rpartition(")")[2].split()
+        except OSError:
+            return time.monotonic() - self.begun
+        return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
     def send(self, number: int) -> None:
         if self.is_alive():
             self.process.send_signal(number)

