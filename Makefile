@@ -225,6 +225,8 @@ picture = $(STICKSLIP) submit jobs/$(1).toml --out target/pictures/$(1) >/dev/nu
 # One line for each figure: name, value, unit.
 bench:
 	$(CARGO) bench --locked -p stickslip --bench figures --bench methods --bench inputs
+	$(CARGO) build --locked --release
+	$(PYTHON) -B benches/signals.py $(STICKSLIP)
 
 # The table of docs/cluster-costs.md: predicted and measured times of shards and merge, and the memory of the merge.
 bench-cluster:
