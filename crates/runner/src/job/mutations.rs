@@ -9,8 +9,9 @@ use super::friction::read_curve;
 use super::source::{JobSource, Overrides};
 use crate::files::forging::{Numbers, time};
 
-/// Longest time on a processor for one of them, which only what does not end takes.
-const LONGEST: Duration = Duration::from_secs(600);
+/// Longest time on a processor for one of them, whatever else is at work. Most take a hundredth of a second, those that count
+/// the modes of a disc a second without optimisation.
+const LONGEST: Duration = Duration::from_secs(10);
 
 /// How many are made of each job; of one with a flexible disc, whose modes take a while, fewer.
 const OF_EACH: usize = 60;
