@@ -46,7 +46,7 @@ test-faults:
 test-optimisation:
 	$(CARGO) build --locked --profile quick
 	STICKSLIP_OTHER_PROGRAM="$(CURDIR)/target/quick/stickslip" \
-	    $(CARGO) test --locked --release -p stickslip --test determinism -- --ignored optimisation
+	    $(CARGO) test --locked --release -p stickslip --test runs -- --ignored optimisation
 
 target/readers/ready: tests/requirements.txt
 	mkdir -p target/readers

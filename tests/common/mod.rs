@@ -1,6 +1,6 @@
 //! Running stickslip as a user does, and reading its files.
 
-#![allow(dead_code, reason = "each test file uses its own part")]
+#![allow(dead_code, reason = "each program of tests uses its own part")]
 #![allow(clippy::disallowed_methods, reason = "expected values are computed as a textbook writes them")]
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on should say so and stop")]
 

@@ -1,0 +1,109 @@
+//! Plain samples beside probabilities that do not come from such.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on should say so and stop")]
+
+use crate::common::{BOTH, EIGENVALUE, Place, Table, change_piece, job, submitted};
+use serde_json::json;
+
+/// Two masses whose modes couple with friction, with this method.
+fn two_masses(name: &str, inputs: &str, sampling: &str) -> String {
+    format!(
+        "name = \"{name}\"\n[model]\nkind = \"matrices\"\nmass = {{ matrix = [[1, 0], [0, 1]] }}\n\
+         damping = {{ matrix = [[0.001, 0], [0, 0.001]] }}\nstiffness = [{{ matrix = [[2, 1], [1, 2]], factor = \"k\" }}, \
+         {{ matrix = [[0, -1.3333333333333333], [0, 0]], factor = \"friction\" }}]\n[model.parameters]\nfriction = 0.7\n\
+         k = 1.0\n[random]\ninputs = [{inputs}]\nrelative_std = 0.1\n[criterion]\nkind = \"complex-eigenvalue\"\n\
+         [sampling]\n{sampling}\n"
+    )
+}
+
+/// Counts beside the probability of each method that does not count are those of samples, from a stream of their own.
+#[test]
+fn every_method_that_does_not_count_has_plain_samples() {
+    let place = Place::new();
+    for (name, inputs, sampling) in [
+        ("exact", "\"friction\"", "method = \"exact\"\naudit = 5000\nseed = 3"),
+        ("conditional", "\"friction\", \"k\"", "method = \"conditional\"\nsamples = 256\naudit = 5000\nseed = 3"),
+        ("importance", "\"friction\", \"k\"", "method = \"importance\"\nsamples = 512\naudit = 5000\nseed = 3"),
+        ("subset", "\"friction\", \"k\"", "method = \"subset\"\naudit = 5000\nseed = 3"),
+    ] {
+        let table = submitted(&place, name, &two_masses(name, inputs, sampling));
+        let p = table.column("p_unstable")[0];
+        let (decided, unstable) = (table.column("n_audit")[0], table.column("n_audit_unstable")[0]);
+        assert_eq!(decided, 5000.0, "{name}");
+        let error = (p * (1.0 - p) / decided).sqrt();
+        assert!(p > 0.05 && (unstable / decided - p).abs() < 5.0 * error, "{name}: {unstable} {p}");
+        assert_eq!(table.column("distrust"), [0.0], "{name}");
+        // The closed form of the pad as well; and none where none are wanted.
+        let without = submitted(&place, "without", &two_masses("without", inputs, &sampling.replace("5000", "0")));
+        assert!(!without.names().iter().any(|column| column.starts_with("n_audit")));
+        assert_eq!(without.column("p_unstable"), table.column("p_unstable"));
+        place.run("verify without").done();
+        std::fs::remove_dir_all(place.path("without")).unwrap();
+    }
+    let table = submitted(&place, "pad", &job("pad", EIGENVALUE, BOTH, "method = \"exact\"\nderivatives = true"));
+    let expected: f64 = table.column("p_unstable").iter().map(|p| 300.0 * p).sum();
+    let found: f64 = table.column("n_audit_unstable").iter().sum();
+    assert!(found > 100.0 && (found - expected).abs() < 5.0 * expected.sqrt(), "{found} {expected}");
+}
+
+#[test]
+fn plain_samples_that_contradict_a_probability_take_it_away() {
+    let place = Place::new();
+    let sampling = "method = \"exact\"\nseed = 3";
+    submitted(&place, "two", &two_masses("two", "\"friction\"", sampling));
+    // As if the integral had missed what the samples saw: they say that all is unstable.
+    let piece = std::fs::read_dir(place.path("two/audit")).unwrap().next().unwrap().unwrap().path();
+    change_piece(&piece, |lines| lines[1][3] = json!([0, 300, 0, 0]));
+    std::fs::remove_file(place.path("two/surface.parquet")).unwrap();
+    let outcome = place.run("resume two");
+    assert!(outcome.stdout.contains("p_unstable is null in 1 cell: plain samples contradict"), "{}", outcome.stdout);
+    outcome.refused(70, &["plain samples contradict the probability in 1 of 1 cell", "monte-carlo"]);
+    let table = Table::read(&place.path("two/surface.parquet"));
+    assert_eq!((table.column("distrust")[0], table.column("n_audit_unstable")[0]), (5.0, 300.0));
+    assert!(table.column("p_unstable")[0].is_nan());
+    place.run("report two --out two.html").done();
+    let report = std::fs::read_to_string(place.path("two.html")).unwrap();
+    assert!(report.contains("p_unstable is null in 1 cell: plain samples contradict p_low to p_high"));
+}
+
+#[test]
+fn plain_samples_do_not_depend_on_how_the_work_is_shared() {
+    let place = Place::new();
+    let sampling = "method = \"conditional\"\nsamples = 8192\naudit = 2_000_000\nseed = 5";
+    let text = two_masses("shared", "\"friction\", \"k\"", sampling);
+    submitted(&place, "whole", &text);
+    place.run("submit whole.toml --out one --threads 1").done();
+    for shard in 1..=2 {
+        place.run(&format!("submit whole.toml --out shards --shard {shard}/2")).done();
+    }
+    place.run("merge shards").done();
+    assert!(place.surface("whole") == place.surface("one") && place.surface("whole") == place.surface("shards"));
+    for run in ["whole", "shards"] {
+        place.run(&format!("verify {run}")).done();
+    }
+    place.write("job.toml", &text);
+    place.assert_survives_kills("whole", &[200, 400, 700], 1);
+}
+
+#[test]
+fn a_share_is_no_number_of_plain_samples() {
+    let place = Place::new();
+    place.write("job.toml", &two_masses("job", "\"friction\"", "method = \"exact\"\naudit = 0.5"));
+    place.run("submit job.toml").refused(65, &["sampling.audit = 0.5 is a share", "audit = 1000"]);
+    place.write("job.toml", &two_masses("job", "\"friction\"", "audit = 500"));
+    place.run("submit job.toml").refused(65, &["sampling.audit belongs to"]);
+}
+
+/// An undamped pair whose damping ratio is zero to rounding, in a band that it never leaves: nothing says where it is unstable.
+#[test]
+fn what_critical_values_leave_open_is_said_without_plain_samples_too() {
+    let place = Place::new();
+    let text = two_masses("open", "\"friction\"", "method = \"exact\"\naudit = 0");
+    let open = text
+        .replace("kind = \"complex-eigenvalue\"", "kind = \"complex-eigenvalue\"\ndamping_ratio = 1e-9")
+        .replace("0.001", "0.0");
+    let table = submitted(&place, "open", &open);
+    assert!(table.column("p_high")[0] - table.column("p_low")[0] > 1e-3);
+    assert_eq!(table.column("distrust"), [6.0]);
+    assert!(table.column("p_unstable")[0].is_nan());
+}

@@ -1,0 +1,103 @@
+//! The friction oscillator on a belt as a job: what it refuses, in its own words, and where its numbers lie.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on should say so and stop")]
+
+use std::fs::File;
+
+use crate::common::{Place, Table};
+use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+
+const EIGENVALUE: &str = "kind = \"eigenvalue\"";
+const IN_TIME: &str = "kind = \"time-domain\"";
+
+/// A job of an oscillator: further keys of [model], its law of friction, axes and random inputs, and its criterion.
+fn job(model: &str, friction: &str, scatter: &str, criterion: &str) -> String {
+    format!(
+        "name = \"belt\"\n[model]\nkind = \"belt-oscillator\"\ndamping = 0.1\nnormal_force = 10.0\nbelt_speed = 0.5\n{model}\n\
+         [model.friction]\n{friction}\n{scatter}\n[criterion]\n{criterion}\n[sampling]\nsamples = 20\n"
+    )
+}
+
+const SLOW: &str = "mass = 1.0\nstiffness = 1.0";
+const STRIBECK: &str = "static_coefficient = 0.6\nkinetic_coefficient = 0.3\nstribeck_velocity = 0.5";
+const TABLE: &str = "law = \"table\"\ntable = { speed = [0.0, 1.0, 2.0], coefficient = [0.6, 0.4, 0.3] }";
+
+#[test]
+fn what_belongs_to_another_law_does_not_vary() {
+    let place = Place::new();
+    for (friction, scatter, named) in [
+        (TABLE, "[axes]\nkinetic_coefficient = [0.2, 0.3]", "axes: kinetic_coefficient"),
+        (TABLE, "[random]\ninputs = [\"stribeck_velocity\"]\nrelative_std = 0.1", "random.inputs: stribeck_velocity"),
+        (STRIBECK, "[random]\ninputs = [\"band\"]\nstd = { band = 1.0 }", "random.inputs: band"),
+        (TABLE, "[random]\ninputs = [\"band\"]\nstd = { band = 1.0 }", "no column std"),
+    ] {
+        place.write("job.toml", &job(SLOW, friction, scatter, EIGENVALUE));
+        place.run("check job.toml").refused(65, &[named]);
+    }
+    // With its own law, and the pair with any.
+    for (friction, scatter) in [
+        ("static_coefficient = 0.6\nstribeck_velocity = 0.5", "[axes]\nkinetic_coefficient = [0.2, 0.3]"),
+        (TABLE, "[random]\ninputs = [\"normal_force\"]\nrelative_std = 0.1"),
+    ] {
+        place.write("job.toml", &job(SLOW, friction, scatter, EIGENVALUE));
+        place.run("check job.toml").done();
+    }
+}
+
+#[test]
+fn one_error_is_one_complaint() {
+    let place = Place::new();
+    let place_of = |model: &str, friction: &str, criterion: &str, scatter: &str, text: &str| {
+        place.write("job.toml", &job(model, friction, scatter, criterion));
+        let said = place.run("check job.toml").refused(65, &[text]).stderr;
+        assert_eq!(said.matches("job.toml").count(), 1, "{said}");
+    };
+    place_of("mass = 1.0\nstiffness = -1.0", STRIBECK, EIGENVALUE, "", "model.stiffness = -1 is out of range");
+    place_of(SLOW, "law = \"coulomb\"", EIGENVALUE, "", "coulomb");
+    let start = "[axes]\n\"start.velocity\" = [0.0, 0.1]";
+    place_of(SLOW, STRIBECK, EIGENVALUE, start, "axes.start.velocity is a number of the start");
+}
+
+#[test]
+fn amplitudes_are_in_metres() {
+    let place = Place::new();
+    place.write(
+        "job.toml",
+        &job(SLOW, STRIBECK, "", "kind = \"time-domain\"\nstart = \"rest\"\nrecord = [\"amplitude\"]"),
+    );
+    place.run("submit job.toml").done();
+    let surface = place.path("runs/belt/surface.parquet");
+    let schema = ParquetRecordBatchReaderBuilder::try_new(File::open(&surface).unwrap()).unwrap().schema().clone();
+    assert_eq!(schema.field_with_name("amplitude_mean").unwrap().metadata()["unit"], "m");
+    // Twice the distance between the ends of stick: the mass is dragged until static friction gives way.
+    let mean = Table::read(&surface).column("amplitude_mean")[0];
+    assert!((0.5 * 0.3 * 10.0..0.7 * 10.0).contains(&mean), "{mean}");
+    place.run("report runs/belt").done();
+    let report = std::fs::read_to_string(place.path("runs/belt/report.html")).unwrap();
+    assert!(report.contains("\"scale\":1000") && report.contains("\"unit\":\"mm\""), "amplitudes in m are shown in mm");
+}
+
+#[test]
+fn fast_oscillators_have_a_horizon_that_they_can_reach() {
+    let place = Place::new();
+    // 225 Hz; 10 000 s would be too many steps.
+    place.write("job.toml", &job("mass = 1.0\nstiffness = 2e6", STRIBECK, "", IN_TIME));
+    place.run("submit job.toml").done();
+    let table = Table::read(&place.path("runs/belt/surface.parquet"));
+    assert_eq!(table.column("n_failed")[0] + table.column("n_undecided")[0], 0.0);
+}
+
+#[test]
+fn analyse_takes_an_oscillator_without_normal_force_and_one_at_the_edge() {
+    let place = Place::new();
+    let text = job(SLOW, STRIBECK, "", EIGENVALUE);
+    place.write("job.toml", &text.replace("normal_force = 10.0", "normal_force = 0.0"));
+    place.run("analyse --job job.toml").done();
+    // Steady sliding that rounding leaves with a speed below 0 came to a panic.
+    let edge = text
+        .replace("mass = 1.0\nstiffness = 1.0", "mass = 0.0068039756726080095\nstiffness = 16.400237891648526")
+        .replace("damping = 0.1\nnormal_force = 10.0\nbelt_speed = 0.5", "damping = 0.0\nnormal_force = 0.4055642483713161\nbelt_speed = 0.0667082381660945")
+        .replace(STRIBECK, "static_coefficient = 0.532563434691326\nkinetic_coefficient = 0.3220468535000858\nstribeck_velocity = 0.28022462984092034\nstribeck_exponent = 3.3\nviscous = 3.2691892788029273");
+    place.write("job.toml", &edge);
+    place.run("analyse --job job.toml").done();
+}

@@ -1,0 +1,134 @@
+//! Jobs that were once answered wrongly, with values that were found without the program.
+
+use crate::common::{Place, Table, repository};
+
+/// The surface of a job of `tests/data/cases`.
+fn surface(place: &Place, name: &str) -> Table {
+    let job = repository().join(format!("tests/data/cases/{name}.toml"));
+    place.run(&format!("submit {} --out {name}", job.display())).done();
+    Table::read(&place.path(&format!("{name}/surface.parquet")))
+}
+
+/// Probabilities over one random input, by eigenvalues on a grid; the grids were good to some 1e-4.
+#[test]
+fn critical_values_give_the_probabilities_of_dense_grids() {
+    let place = Place::new();
+    for (name, expected) in [
+        ("window-2dof-a", 0.299_734),
+        ("window-2dof-b", 0.074_065),
+        ("window-2dof-b-conditional", 0.074_065),
+        ("window-friction-a", 0.209_12),
+        ("window-friction-b", 0.162_22),
+        ("window-4dof", 0.009_76),
+        ("stable-windows-of-speed", 0.995_596),
+        ("lost-branch-of-damping", 0.024_81),
+        ("divergence-2dof", 0.006_656_8),
+        ("whipple-bicycle", 0.777_544),
+        ("free-mass", 0.234_883_83),
+    ] {
+        let table = surface(&place, name);
+        let [low, p, high] = ["p_low", "p_unstable", "p_high"].map(|column| table.column(column)[0]);
+        assert!((p - expected).abs() < 4e-4, "{name}: {p} {expected}");
+        assert!(low <= p && p <= high && high - low < 1e-5, "{name}: {low} {p} {high}");
+        assert_eq!((table.column("distrust")[0], table.column("n_audit")[0]), (0.0, 300.0), "{name}");
+    }
+}
+
+/// Both eigenvalues of the rigid-body motion are zero: only damping below zero makes a sample unstable, which the normal
+/// distribution does with a probability of 4.3e-4.
+#[test]
+fn rigid_body_motions_make_nothing_unstable() {
+    let place = Place::new();
+    let table = surface(&place, "free-free-2dof");
+    assert!(table.column("p_low")[0] < 4.3e-4 && table.column("p_high")[0] > 4.3e-4);
+    assert!(table.column("p_unstable")[0] < 2e-3);
+    assert_eq!(surface(&place, "free-free-exact").column("p_high"), [0.0]);
+    let job = repository().join("tests/data/cases/free-free-2dof.toml");
+    let checked = place.run(&format!("check {}", job.display())).done();
+    assert!(checked.stderr.contains("1 rigid-body motion is left out"), "{}", checked.stderr);
+    // Who wants their rounding counted says so.
+    let text = std::fs::read_to_string(job).unwrap_or_default();
+    let counted = text
+        .replace("kind = \"complex-eigenvalue\"", "kind = \"complex-eigenvalue\"\nrigid_body_motions = \"counted\"");
+    place.write("counted.toml", &counted);
+    place.run("submit counted.toml --out counted").done();
+    assert!(Table::read(&place.path("counted/surface.parquet")).column("p_unstable")[0] > 0.1);
+}
+
+/// A second region that none of 10,000 conditional samples met: their agreement is no evidence against it.
+#[test]
+fn samples_that_are_all_alike_leave_room_for_another_region() {
+    let table = surface(&Place::new(), "two-ways");
+    assert!(table.column("p_low")[0] < 3.196e-5 && table.column("p_high")[0] > 3.196e-5);
+}
+
+/// Another mode has 90 % of the probability, in a small sphere: by plain samples 3.7556e-5.
+#[test]
+fn importance_sampling_finds_the_region_of_another_mode() {
+    let table = surface(&Place::new(), "hidden-region-5-inputs");
+    let mut held = 0;
+    for cell in 0..table.column("cell").len() {
+        let [p, low, high, distrust] =
+            ["p_unstable", "p_low", "p_high", "distrust"].map(|column| table.column(column)[cell]);
+        assert!(distrust > 0.0 || (p / 3.7556e-5 - 1.0).abs() < 0.25, "cell {cell}: {p}");
+        held += usize::from(distrust == 0.0 && low <= 3.7556e-5 && high >= 3.7556e-5);
+    }
+    assert!(held >= 9, "{held} of 12");
+}
+
+/// Of 2000 samples 944 are unstable, most of them by divergence, whose damping ratio is -1.
+#[test]
+fn what_is_recorded_of_a_sample_agrees_with_its_verdict() {
+    let place = Place::new();
+    surface(&place, "recorded-divergence");
+    place.run("samples recorded-divergence --cell 0 --out samples.parquet").done();
+    let samples = Table::read(&place.path("samples.parquet"));
+    let ratios = samples.column("damping_ratio");
+    let verdicts = crate::common::texts(&place.path("samples.parquet"), "verdict");
+    let disagree = ratios
+        .iter()
+        .zip(&verdicts)
+        .filter(|(ratio, verdict)| (**ratio < -1e-9) != (verdict.as_deref() == Some("unstable")));
+    assert_eq!((disagree.count(), verdicts.len()), (0, 2000));
+    assert!(ratios.iter().filter(|ratio| **ratio == -1.0).count() > 400);
+}
+
+/// On the preset far above its critical speed the rotation is the least damped motion: -222.05 1/s at 1769 Hz.
+#[test]
+fn the_recorded_growth_rate_is_the_largest_of_all_motions() {
+    let table = surface(&Place::new(), "growth-not-largest");
+    let last = table.column("growth_rate_mean").len() - 1;
+    assert!((table.column("growth_rate_mean")[last] + 222.05).abs() < 0.01);
+    assert!((table.column("frequency_mean")[last] - 1769.0).abs() < 1.0);
+}
+
+#[test]
+fn messages_say_what_is_wrong() {
+    let place = Place::new();
+    let data = repository().join("tests/data/cases");
+    let check = |name: &str| place.run(&format!("check {}", data.join(name).display()));
+    check("decimal-point.toml").refused(65, &["decimal-point.toml:6:", ".1 lacks a digit beside its point; write 0.1"]);
+    let checked = check("overdamped.toml").done();
+    assert!(checked.stderr.contains("nothing oscillates in the expected brake"), "{}", checked.stderr);
+    for (file, said) in [("bom.mtx", "byte order mark"), ("skew-with-diagonal.mtx", "is stored without its diagonal")] {
+        place.write(
+            "job.toml",
+            &format!(
+                "name = \"job\"\n[model]\nkind = \"matrices\"\nmass = {{ matrix = [[1, 0], [0, 1]] }}\n\
+                 stiffness = {{ file = \"{}\" }}\n[criterion]\nkind = \"complex-eigenvalue\"\n",
+                data.join(file).display()
+            ),
+        );
+        place.run("check job.toml").refused(65, &[file, said]);
+    }
+    // A pipe that nobody writes into would be waited for.
+    assert!(
+        std::process::Command::new("mkfifo").arg(place.path("pipe.mtx")).status().is_ok_and(|status| status.success())
+    );
+    place.write(
+        "job.toml",
+        "name = \"job\"\n[model]\nkind = \"matrices\"\nmass = { matrix = [[1, 0], [0, 1]] }\nstiffness = { file = \"pipe.mtx\" }\n\
+         [criterion]\nkind = \"complex-eigenvalue\"\n",
+    );
+    place.run("check job.toml").refused(65, &["pipe.mtx", "this is no file"]);
+}

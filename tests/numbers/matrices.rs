@@ -1,0 +1,465 @@
+//! Models given by matrices, as a user runs them.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on should say so and stop")]
+
+use std::sync::Arc;
+
+use faer::sparse::{SparseColMat, Triplet};
+use stickslip_core::model::quantity::Limits;
+use stickslip_core::model::verdict::Verdict;
+use stickslip_core::model::{Columns, Model};
+use stickslip_core::models::matrices::factor::Factor;
+use stickslip_core::models::matrices::model::{ComplexEigenvalue, MatrixModel};
+use stickslip_core::models::matrices::problem::Solver;
+use stickslip_core::models::matrices::terms::{Matrices, Matrix, Parameter, Term};
+
+use crate::common::{Place, Table, repository, submitted};
+
+/// Two masses of Hoffmann, Fischer, Allgaier and Gaul (2002) with further keys of the model and the criterion.
+fn two_masses(damping: &str, rest: &str) -> String {
+    format!(
+        "name = \"two\"\n[model]\nkind = \"matrices\"\nmass = {{ matrix = [[1, 0], [0, 1]] }}\n{damping}\nstiffness = [{{ matrix = \
+         [[2, 1], [1, 2]] }}, {{ matrix = [[0, -1.3333333333333333], [0, 0]], factor = \"friction\" }}]\n\
+         [model.parameters]\nfriction = 0.7\n{rest}"
+    )
+}
+
+const SCATTER: &str = "[random]\ninputs = [\"friction\"]\nrelative_std = 0.1\n";
+const CRITERION: &str = "[criterion]\nkind = \"complex-eigenvalue\"\n";
+
+/// The share of a normal friction with 10 % scatter above a critical value.
+fn above(critical: f64, mean: f64) -> f64 {
+    stickslip_sampler::special_functions::normal::upper_tail((critical - mean) / (0.1 * mean))
+}
+
+/// Without damping they flutter above 3/4; with c1 = c2 = c above `D = k12 + c^2 (k11 + k22) / (2 k12)`, from the Hurwitz
+/// condition of the quartic (fourth digit: its exact root is compared in the core).
+#[test]
+fn two_masses_flutter_as_their_formula_says() {
+    let place = Place::new();
+    let rest = format!(
+        "[axes]\nfriction = [0.6, 0.7, 0.75, 0.8]\n{SCATTER}{CRITERION}[sampling]\nsamples = 20_000\nseed = 3\n"
+    );
+    let table = submitted(&place, "two", &two_masses("", &rest));
+    for (mean, p) in table.column("friction").iter().zip(table.column("p_unstable")) {
+        assert!((p - above(0.75, *mean)).abs() < 0.012, "{mean} {p}");
+    }
+    // The report says nothing of a preset that the model does not have.
+    place.run("report two --out two.html").done();
+    assert!(!std::fs::read_to_string(place.path("two.html")).unwrap().contains("preset sui-ding"));
+    // Rare events of it, by the damping ratio as a limit state.
+    let rest =
+        format!("[axes]\nfriction = [0.5]\n{SCATTER}{CRITERION}[sampling]\nmethod = \"importance\"\nsamples = 4096\n");
+    let damped = two_masses("damping = { matrix = [[0.001, 0], [0, 0.001]] }", &rest);
+    let table = submitted(&place, "rare", &damped);
+    let (p, expected) = (table.column("p_unstable")[0], above(0.75, 0.5));
+    assert!((p / expected - 1.0).abs() < 0.05, "{p:e} {expected:e}");
+}
+
+/// Hulten's brake as Sinou and Jezequel (2007) have it flutters above 0.2893671 with damping of 2 %.
+#[test]
+fn a_drum_brake_has_its_published_critical_friction() {
+    let place = Place::new();
+    let job = std::fs::read_to_string(repository().join("jobs/hulten.toml")).unwrap();
+    let job = job.replace("friction = { from = 0.15, to = 0.40, points = 26 }", "friction = [0.25, 0.2893671]");
+    let job = job.replace("inputs = [\"friction\", \"damping_1\", \"damping_2\"]", "inputs = [\"friction\"]");
+    let job = job.replace("{ friction = 0.1, damping_1 = 0.3, damping_2 = 0.3 }", "0.1");
+    let table = submitted(&place, "hulten", &job);
+    for (mean, p) in table.column("friction").iter().zip(table.column("p_unstable")) {
+        assert!((p - above(0.289_367_1, *mean)).abs() < 0.02, "{mean} {p}");
+    }
+}
+
+/// The dense brake of 100 degrees of freedom from a MAT file: a factor of 0.0835794671 on both terms of friction is critical
+/// at 2 pi rad/s (computed independently with LAPACK). Threads and bands change nothing.
+#[test]
+fn a_brake_from_a_file_has_its_critical_friction_with_any_threads() {
+    let place = Place::new();
+    let file = repository().join("jobs/tu-brake/disk_brake100.mat");
+    let file = file.to_str().unwrap();
+    let term =
+        |matrix: &str, factor: &str| format!("{{ file = {file:?}, matrix = \"{matrix}\", factor = \"{factor}\" }}");
+    let job = |bands: &str, inputs: &str| {
+        format!(
+            "name = \"disk\"\n[model]\nkind = \"matrices\"\nmass = {{ file = {file:?}, matrix = \"M\" }}\ndamping = [{}, {}, {}]\n\
+             stiffness = [{}, {}]\n[model.parameters]\ns = 0.0835794671\nspeed = 6.283185307179586\n[random]\n{inputs}\n\
+             {CRITERION}{bands}\n[sampling]\nsamples = 300\nseed = 2\n",
+            term("D1", "1"),
+            term("DR", "s / speed"),
+            term("DG", "speed"),
+            term("K1", "1"),
+            term("KR", "s"),
+        )
+    };
+    let one = "inputs = [\"s\"]\nrelative_std = 0.05";
+    let table = submitted(&place, "disk", &job("", one));
+    let p = table.column("p_unstable")[0];
+    assert!((p - 0.5).abs() < 0.1, "{p}");
+    place.write("bands.toml", &job("bands = [[0.0, 0.0001], [0.0001, 0.001]]", one));
+    for threads in [1, 2] {
+        place.run(&format!("submit bands.toml --out run{threads} --threads {threads}")).done();
+    }
+    assert_eq!(place.surface("run1"), place.surface("run2"));
+    let bands = Table::read(&place.path("run1/surface.parquet"));
+    assert_eq!(bands.column("band"), [0.0, 1.0, 2.0]);
+    let p = bands.column("p_unstable");
+    assert!(p[0] > 0.3 && p[1] > 0.3 && p[2] == 0.0, "the pair has less than 0.0001 Hz: {p:?}");
+}
+
+/// The verdicts of LAPACK, and of mpmath where rounding could matter, on 500 random models (tests/data/matrices/fates.py): at
+/// the expected values, where all eigenvalues decide, and with a stiffness 2 % off, from which the series comes.
+#[test]
+fn verdicts_are_those_of_lapack() {
+    let folder = repository().join("tests/data/matrices");
+    let matrices: Vec<serde_json::Value> =
+        serde_json::from_str(&std::fs::read_to_string(folder.join("fates.json")).unwrap()).unwrap();
+    let rows =
+        csv::ReaderBuilder::new().comment(Some(b'#')).from_path(folder.join("fates.csv")).unwrap().into_records();
+    let mut unstable = 0;
+    for (case, row) in matrices.iter().zip(rows) {
+        let row = row.unwrap();
+        let number = |place: usize| row[place].parse::<f64>().unwrap();
+        let size = number(2) as usize;
+        let matrix = |name: &str| -> Arc<Matrix> {
+            let entries = case[name].as_array().unwrap().iter().enumerate();
+            let entries: Vec<_> =
+                entries.map(|(i, value)| Triplet::new(i / size, i % size, value.as_f64().unwrap())).collect();
+            Arc::new(SparseColMat::try_new_from_triplets(size, size, &entries).unwrap())
+        };
+        let one = Factor::number(1.0);
+        let parameter = Parameter {
+            name: "s".to_owned(),
+            value: 1.0,
+            unit: "1".to_owned(),
+            label: "s".to_owned(),
+            range: Limits::ANY,
+        };
+        let model = Matrices {
+            mass: matrix("m"),
+            damping: vec![Term { matrix: matrix("c"), factor: one }],
+            stiffness: vec![Term { matrix: matrix("k"), factor: Factor::parse("s", &["s"]).unwrap() }],
+            parameters: vec![parameter],
+        };
+        let criterion = ComplexEigenvalue {
+            bands: vec![[number(3), number(4)]],
+            damping_ratio: number(5),
+            counts_rigid_body_motions: false,
+        };
+        let model = MatrixModel::new(Arc::new(model), criterion, Solver::Dense).unwrap();
+        let expected = if &row[6] == "1" { Verdict::Unstable } else { Verdict::Stable };
+        unstable += usize::from(expected == Verdict::Unstable);
+        let sample: &[f64] = &[1.0];
+        for (mean, varying, columns) in [(1.0, &[][..], &[][..]), (0.98, &[0][..], &[sample][..])] {
+            let shared = model.configure(&[mean], varying, None).unwrap();
+            let decided = shared.decide(&Columns::new(1, columns), &[0], &|| false).unwrap();
+            assert_eq!(decided[0].verdict, expected, "{row:?}, expected stiffness {mean}");
+        }
+    }
+    assert_eq!((matrices.len(), unstable), (500, 229));
+}
+
+/// The same model in the files of other programs (tests/data/matrices/make.py): matrices with nodes and directions come in
+/// other numbers of rows, with those that are held, or with those of friction alone.
+#[test]
+fn files_of_other_programs_give_the_same_probabilities() {
+    let place = Place::new();
+    let folder = repository().join("tests/data/matrices");
+    let named = |file: &str, names: [&str; 4]| names.map(|name| (file.to_owned(), Some(name.to_owned())));
+    let single = |files: [&str; 4]| files.map(|file| (file.to_owned(), None));
+    let names = ["M", "C", "K", "KF"];
+    let mut expected: Option<Vec<f64>> = None;
+    for terms in [
+        named("scipy-compressed.mat", names),
+        named("octave-v7.mat", names),
+        named("numpy-compressed.npz", names),
+        named("nastran-wide.pch", ["MAAX", "BAAX", "KAAX", "K2PP"]),
+        single(["scipy-M.mtx", "scipy-C.mtx", "scipy-K.mtx", "scipy-KF.mtx"]),
+        single(["scipy-M-csc.npz", "scipy-C-dia.npz", "numpy-K.npy", "scipy-KF-coo.npz"]),
+        single(["abaqus_MASS2.mtx", "abaqus_DMPV2.mtx", "abaqus_STIF2.mtx", "abaqus_STIF3.mtx"]),
+        single(["ansys-M.matrix", "scipy-C.mtx", "ansys-K.matrix", "ansys-KF.matrix"]),
+        [("MASS", true), ("VISCOUS DAMPING", true), ("STIFFNESS", true), ("", false)].map(|(name, is_substructure)| {
+            let file = if is_substructure { "abaqus-substructure.mtx" } else { "abaqus_STIF3.mtx" };
+            (file.to_owned(), is_substructure.then(|| name.to_owned()))
+        }),
+    ] {
+        let [mass, damping, stiffness, friction] = terms.map(|(file, name)| {
+            let path = folder.join(file);
+            let name = name.map(|name| format!(", matrix = \"{name}\"")).unwrap_or_default();
+            format!("file = {:?}{name}", path.to_str().unwrap())
+        });
+        let job = format!(
+            "name = \"alike\"\n[model]\nkind = \"matrices\"\nmass = {{ {mass} }}\ndamping = {{ {damping} }}\nstiffness = \
+             [{{ {stiffness} }}, {{ {friction}, factor = \"friction\" }}]\n[model.parameters]\nfriction = 1.0\n[axes]\n\
+             friction = [10, 14, 18]\n{SCATTER}{CRITERION}[sampling]\nsamples = 2000\nseed = 5\n"
+        );
+        let table = submitted(&place, "alike", &job);
+        std::fs::remove_dir_all(place.path("alike")).unwrap();
+        let found = table.column("p_unstable").to_vec();
+        assert!(found.iter().any(|p| *p > 0.0 && *p < 1.0), "{found:?}");
+        assert_eq!(expected.get_or_insert(found.clone()), &found, "{mass}");
+    }
+}
+
+/// Matrices of Nastran say nodes and directions, and so does what is said of them.
+#[test]
+fn degrees_of_freedom_have_their_names_in_what_is_said() {
+    let place = Place::new();
+    let card = |name: &str, entries: &[(u32, u32, f64)]| {
+        let mut text = format!("DMIG,{name},0,6,2,0\n");
+        for (node, direction, value) in entries {
+            text += &format!("DMIG,{name},{node},{direction},,{node},{direction},{value:.1}\n");
+        }
+        text
+    };
+    let job = "name = \"two\"\n[model]\nkind = \"matrices\"\nmass = { file = \"two.pch\", matrix = \"MAAX\" }\nstiffness = \
+               { file = \"two.pch\", matrix = \"KAAX\" }\n[criterion]\nkind = \"complex-eigenvalue\"\n";
+    place.write("job.toml", job);
+    let write = |mass: &[(u32, u32, f64)], stiffness: &[(u32, u32, f64)]| {
+        let rest = card("BAAX", &[(7, 1, 0.5)]);
+        place.write("two.pch", &format!("{}{}{rest}", card("MAAX", mass), card("KAAX", stiffness)));
+    };
+    write(&[(7, 1, 1.0)], &[(7, 1, 4.0), (9, 3, 4.0)]);
+    place
+        .run("check job.toml")
+        .refused(65, &["1 of 2 degrees of freedom have no mass (the first is number 2, node 9 in direction 3)"]);
+    write(&[(7, 1, 1.0), (9, 3, 1.0)], &[(7, 1, 4.0)]);
+    let check = place.run("check job.toml").done();
+    let said = format!("{}{}", check.stdout, check.stderr);
+    for text in [
+        "1 degrees of freedom have no stiffness (the first is number 2, node 9 in direction 3)",
+        "one triangle is stored of stiffness[0], which loses friction",
+        "# model.mass, model.stiffness[0]: the file has one triangle of a symmetric matrix",
+        "# two.pch also has BAAX, which no term names",
+    ] {
+        assert!(said.contains(text), "{said}");
+    }
+}
+
+/// A run finds its file again from another folder, and does not go on with another matrix.
+/// One random input: the integral between critical values, and limits of it, have the digits of the formula.
+#[test]
+fn probabilities_over_one_input_are_exact() {
+    let place = Place::new();
+    let rest = format!("[axes]\nfriction = [0.45, 0.6, 0.75]\n{SCATTER}{CRITERION}[sampling]\nmethod = \"exact\"\n");
+    let table = submitted(&place, "exact", &two_masses("", &rest));
+    for (mean, p) in table.column("friction").iter().zip(table.column("p_unstable")) {
+        let expected = above(0.75, *mean);
+        assert!((p / expected - 1.0).abs() < 1e-6, "{mean} {p:e} {expected:e}");
+    }
+    // P = 1e-9 where (0.75 - m) / (0.1 m) = 5.9978.
+    let found = place.run("limit exact.toml --of friction --probability 1e-9 --json").done();
+    let found: serde_json::Value = serde_json::from_str(&found.stdout).unwrap();
+    let limit = found.pointer("/limits/0/limit").and_then(serde_json::Value::as_f64);
+    let limit = limit.unwrap_or_else(|| panic!("{found}"));
+    assert!((above(0.75, limit) / 1e-9 - 1.0).abs() < 1e-3, "{limit}");
+    // Two inputs are one too many.
+    let two = two_masses("", &rest)
+        .replace("[\"friction\"]", "[\"friction\", \"other\"]")
+        .replace("friction = 0.7", "friction = 0.7\nother = 1.0");
+    place.write("two.toml", &two);
+    place
+        .run("check two.toml")
+        .refused(65, &["integrates over one random input; random.inputs lists 2", "conditional"]);
+}
+
+/// Several random inputs: the others are drawn, and the friction is integrated over at each sample.
+#[test]
+fn conditional_probabilities_agree_with_samples() {
+    let place = Place::new();
+    let job = |sampling: &str| {
+        format!(
+            "name = \"three\"\n[model]\nkind = \"matrices\"\nmass = {{ matrix = [[1, 0], [0, 1]] }}\n\
+             damping = {{ matrix = [[0.04, 0], [0, 0.06]], factor = \"damping\" }}\n\
+             stiffness = [{{ matrix = [[2, 1], [1, 2]], factor = \"spring\" }}, {{ matrix = [[0, -1.3333333333333333], [0, 0]], factor = \"friction\" }}]\n\
+             [model.parameters]\nfriction = 0.6\nspring = 1.0\ndamping = 1.0\n\
+             [random]\ninputs = [\"friction\", \"spring\", \"damping\"]\nrelative_std = 0.1\ncorrelation = [[\"friction\", \"spring\", 0.3]]\n\
+             {CRITERION}[sampling]\n{sampling}seed = 5\n"
+        )
+    };
+    let integrated = submitted(&place, "integrated", &job("method = \"conditional\"\nsamples = 1024\n"));
+    let sampled = submitted(&place, "sampled", &job("samples = 400_000\n"));
+    let [low, high] = ["p_low", "p_high"].map(|end| [&integrated, &sampled].map(|table| table.column(end)[0]));
+    assert!(low[0] < high[1] && low[1] < high[0], "{low:?} {high:?}");
+}
+
+/// The brake of TU Berlin with its 4669 degrees of freedom: s_crit = 1.9602310483, so that P = 0.0106914289 (independent
+/// figures, by two other solvers); reduced, and reduced too far.
+#[test]
+fn the_full_matrices_of_a_brake_give_its_probability_and_reduced_ones_nearly() {
+    let place = Place::new();
+    let job = std::fs::read_to_string(repository().join("jobs/tu-brake.toml")).unwrap();
+    let matrices = repository().join("jobs/tu-brake/tu-brake.mat");
+    let job = job.replace("tu-brake/tu-brake.mat", matrices.to_str().unwrap());
+    let full = submitted(&place, "full", &job);
+    let p = full.column("p_unstable")[0];
+    assert!((p - 0.010_691_428_9).abs() < 1e-9, "{p}");
+
+    let done = place.run("reduce full.toml --audit 10").done();
+    assert!(done.stdout.contains("10 samples:\n  0 verdicts differ"), "{}", done.stdout);
+    assert!(done.stdout.contains("no mode of the bands is missing"), "{}", done.stdout);
+    let submitted = place.run("submit full-100.toml --out reduced").done();
+    assert!(submitted.stdout.contains("0 of 10 verdicts differ"), "{}", submitted.stdout);
+    let table = Table::read(&place.path("reduced/surface.parquet"));
+    assert_eq!([table.column("n_reduction_audited")[0], table.column("n_reduction_differed")[0]], [10.0, 0.0]);
+    // 1 - 0.025^(1/10), of Clopper and Pearson.
+    assert!((table.column("p_reduction")[0] - 0.308_497_1).abs() < 1e-6);
+    let reduced = table.column("p_unstable")[0];
+    assert!((reduced - p).abs() < 1e-7, "{reduced} {p}");
+    place.run("reduce full.toml").refused(64, &["full-100.toml is there already", "--out"]);
+
+    let poor = place.run("reduce full.toml --vectors 4 --audit 3 --out poor.toml").done();
+    assert!(poor.stderr.contains("the basis misses modes of the bands"), "{}{}", poor.stdout, poor.stderr);
+    place.run("reduce poor.toml --vectors 2").refused(64, &["its matrices are reduced already", "made from"]);
+    let checked = place.run("check poor.toml").done();
+    assert!(checked.stderr.contains("the basis misses modes of the bands"), "{}", checked.stderr);
+    let impossible = std::fs::read_to_string(place.path("poor.toml")).unwrap().replace("audited = 3", "audited = 0");
+    let impossible = impossible.replace("differed = 0", "differed = 1");
+    place.write("impossible.toml", &impossible);
+    place.run("check impossible.toml").refused(65, &["model.reduction.differed", "0 samples were audited"]);
+    place.write("whole.toml", &job.replace("matrices = \"full\"", ""));
+    place.run("check whole.toml").refused(65, &["4669 degrees of freedom are too many", "stickslip reduce"]);
+    place.write("open.toml", &job.replace("frequency = [1000.0, 3000.0]", ""));
+    place.run("check open.toml").refused(65, &["looks for eigenvalues in a band", "criterion.frequency"]);
+}
+
+#[test]
+fn a_run_goes_on_with_its_own_matrices_alone() {
+    let place = Place::new();
+    let file = |coupling: f64| {
+        let text = format!("%%MatrixMarket matrix coordinate real general\n2 2 1\n1 2 {coupling}\n");
+        place.write("friction.mtx", &text);
+    };
+    file(-1.5);
+    let rest = format!("{SCATTER}{CRITERION}[sampling]\nsamples = 2000\n");
+    let job = two_masses("", &rest).replace("matrix = [[0, -1.3333333333333333], [0, 0]]", "file = \"friction.mtx\"");
+    let table = submitted(&place, "run", &job);
+    assert!((table.column("p_unstable")[0] - above(1.0 / 1.5, 0.7)).abs() < 0.04);
+    let surface = place.surface("run");
+    let lose =
+        || ["surface.parquet", "digests.json"].map(|name| std::fs::remove_file(place.path("run").join(name)).unwrap());
+    lose();
+    place.run("resume run").done();
+    assert_eq!(place.surface("run"), surface);
+    lose();
+    file(-1.25);
+    place.run("resume run").refused(65, &["model.stiffness[1]", "friction.mtx is another than the one of this job"]);
+    file(-1.5);
+    place.run("resume run").done();
+    assert_eq!(place.surface("run"), surface);
+}
+
+#[test]
+fn what_is_wrong_with_matrices_is_said_in_words_of_their_makers() {
+    let place = Place::new();
+    let rest = format!("{SCATTER}{CRITERION}");
+    let whole = two_masses("", &rest);
+    std::fs::write(place.path("new.mat"), [b"\x89HDF\r\n\x1a\n".as_slice(), &[0; 200]].concat()).unwrap();
+    for (wrong, right, texts) in [
+        (
+            "factor = \"friction\"",
+            "factor = \"frction\"",
+            &["there is no parameter `frction`", "[model.parameters] has friction"][..],
+        ),
+        ("[[2, 1], [1, 2]]", "[[2, 1], [1]]", &["row 2 of the matrix has 1 values", "square"]),
+        (
+            "[[2, 1], [1, 2]]",
+            "[[2]]",
+            &["model.stiffness[0]: the matrix has 1 rows", "rows: mass 2, stiffness[0] 1, stiffness[1] 2"],
+        ),
+        ("[[1, 0], [0, 1]]", "[[1, 0], [0, 0]]", &["1 of 2 degrees of freedom have no mass", "number 2"]),
+        ("[[1, 0], [0, 1]]", "[[1, 2], [2, 1]]", &["not positive definite"]),
+        ("[[1, 0], [0, 1]]", "[[1, 1], [0, 1]]", &["not symmetric"]),
+        (
+            "[[2, 1], [1, 2]]",
+            "[[1e36, 1], [1, 2]]",
+            &["1 entries on the diagonal are 1e30 or more (the first is number 1)", "constrained degrees of freedom"],
+        ),
+        ("matrix = [[2, 1], [1, 2]]", "file = \"no.mat\", matrix = \"K\"", &["no.mat", "No such file"]),
+        ("matrix = [[2, 1], [1, 2]]", "file = \"new.mat\", matrix = \"K\"", &["7.3", "-v7"]),
+        ("kind = \"complex-eigenvalue\"", "kind = \"eigenvalue\"", &["complex-eigenvalue"]),
+        ("kind = \"complex-eigenvalue\"", "kind = \"complex-eigenvalue\"\nfrequency = [3000, 1000]", &["is no band"]),
+    ] {
+        assert!(whole.contains(wrong));
+        place.write("job.toml", &whole.replace(wrong, right));
+        place.run("check job.toml").refused(65, texts);
+    }
+    let symmetric = whole.replace(", { matrix = [[0, -1.3333333333333333], [0, 0]], factor = \"friction\" }", "");
+    place.write("job.toml", &symmetric);
+    let check = place.run("check job.toml").done();
+    let said = format!("{}{}", check.stdout, check.stderr);
+    assert!(said.contains("there is no friction in it") && said.contains("stands in no factor"), "{said}");
+}
+
+/// The modes of Hulten's brake at one point: verdict, derivatives by differences of two points, and the critical values that
+/// the Routh-Hurwitz condition gives.
+#[test]
+fn modes_have_their_derivatives_and_critical_values() {
+    let place = Place::new();
+    let job = repository().join("jobs/hulten.toml").display().to_string();
+    let analysed = |friction: f64| -> serde_json::Value {
+        let printed = place.run(&format!("analyse {job} --set friction={friction} --json")).done().stdout;
+        serde_json::from_str(&printed).unwrap()
+    };
+    let number = |value: &serde_json::Value, path: &str| value.pointer(path).unwrap().as_f64().unwrap();
+    let (here, less, more) = (analysed(0.28), analysed(0.279), analysed(0.281));
+    assert_eq!(here["stable"], true);
+    assert_eq!(here["modes"].as_array().unwrap().len(), 2);
+    for mode in 0..2 {
+        for quantity in ["damping_ratio", "frequency_hz", "growth_rate_per_s"] {
+            let at = format!("/modes/{mode}/{quantity}");
+            let difference = (number(&more, &at) - number(&less, &at)) / 0.002;
+            let derivative = number(&here, &format!("/modes/{mode}/derivatives/friction/{quantity}"));
+            assert!((derivative / difference - 1.0).abs() < 0.02, "{at}: {derivative} {difference}");
+        }
+    }
+    assert!((number(&here, "/critical_values/friction/above") - 0.289_367_125_522_81).abs() < 1e-10);
+    assert!(here.pointer("/critical_values/friction/below").unwrap().is_null());
+    let unstable = analysed(0.3);
+    assert_eq!(unstable["stable"], false);
+    assert!((number(&unstable, "/critical_values/friction/below") - 0.289_367_125_522_81).abs() < 1e-10);
+    let text = place.run(&format!("analyse --job {job} --cell 16")).done().stdout;
+    assert!(text.starts_with("hulten at damping_1 0.02, damping_2 0.02, friction 0.31: UNSTABLE"), "{text}");
+    let analyse = |change: &str| place.run(&format!("analyse {job} --set {change}"));
+    analyse("fricton=0.3").refused(64, &["--set fricton=0.3", "did you mean friction?", "damping_1"]);
+    analyse("friction").refused(64, &["NAME=VALUE"]);
+    analyse("friction=0,3").refused(64, &["decimal comma"]);
+}
+
+/// Modes of a job and frequencies of its unstable samples as pictures: the same bytes with any threads.
+#[test]
+fn modes_and_frequencies_of_unstable_samples_are_drawn() {
+    let place = Place::new();
+    let text = std::fs::read_to_string(repository().join("jobs/hulten.toml")).unwrap();
+    place.write("brake.toml", &text);
+    let drawn = |line: &str, file: &str| {
+        place.run(line).done();
+        std::fs::read_to_string(place.path(file)).unwrap()
+    };
+    let printed = place.run("plot brake.toml --of modes --threads 1").done().stdout;
+    assert_eq!(printed, "brake-modes.svg\nbrake-modes.png\n");
+    let modes = std::fs::read_to_string(place.path("brake-modes.svg")).unwrap();
+    for text in ["Frequency (Hz)", "Damping ratio ζ", "Friction", "expected, unstable", "1000 samples, relative std"] {
+        assert!(modes.contains(text), "{text}");
+    }
+    assert_eq!(drawn("plot brake.toml --of modes --threads 3 --out three.svg", "three.svg"), modes);
+    // Each of two panels has a stable line for each mode and the unstable part of one, wider.
+    let lines = |colour: &str, width: &str| {
+        let of = |line: &&str| {
+            line.contains(&format!("stroke=\"{colour}\"")) && line.contains(&format!("stroke-width=\"{width}\""))
+        };
+        modes.split("<path").filter_map(|path| path.split('>').next()).filter(of).count()
+    };
+    assert_eq!([lines("#0072b2", "1.2"), lines("#d55e00", "2.6")], [4, 2]);
+    let over = drawn("plot brake.toml --of modes --along damping_2 --columns 1 --out d.svg", "d.svg");
+    assert!(over.contains("Damping 2") && over.contains("friction = 0.27"));
+    let line = "plot brake.toml --of squeal-frequencies --cell 16";
+    let bars = drawn(&format!("{line} --threads 1 --out one.svg"), "one.svg");
+    assert!(bars.contains("of 10,000 samples unstable, P = 0.80"), "{bars}");
+    assert_eq!(drawn(&format!("{line} --threads 3 --out three.svg"), "three.svg"), bars);
+    place
+        .run("plot brake.toml --of modes --along dampng_2")
+        .refused(64, &["--along dampng_2", "did you mean damping_2?"]);
+    place.run("plot brake.toml --along friction").refused(64, &["--along", "--of modes"]);
+    let pad = repository().join("jobs/fig14a.toml");
+    place.run(&format!("plot {} --of modes", pad.display())).refused(64, &["fig14a", "not given by matrices"]);
+}

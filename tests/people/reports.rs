@@ -1,0 +1,483 @@
+//! Reports of finished runs, and the gallery of what is reproduced of the paper.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on should say so and stop")]
+
+use std::fs;
+use std::time::{Duration, SystemTime};
+
+use crate::common::{Place, Table, named_by, python_agrees, submitted};
+use serde_json::Value;
+
+/// A job with a sharp character in every text of its own.
+const JOB: &str = r#"
+name = "three"
+description = "a < b & \"c\" {{data}} </script>"
+[axes]
+rotating_speed = [12, 15, 18]
+preload = { from = 0.02, to = 0.3, points = 15 }
+static_friction = { from = 0.25, to = 0.5, points = 12 }
+[random]
+inputs = ["preload", "static_friction"]
+relative_std = 0.2
+[criterion]
+kind = "eigenvalue"
+[sampling]
+samples = 2000
+seed = 1
+"#;
+
+#[test]
+fn a_report_is_one_file_with_the_answer_the_job_and_the_library() {
+    let place = Place::new();
+    submitted(&place, "three", JOB);
+    assert_eq!(place.run("report three").done().stdout, "three/report.html\n");
+    let page = fs::read_to_string(place.path("three/report.html")).unwrap();
+    assert!(page.len() < 2_000_000, "{} bytes", page.len());
+    for text in [
+        "P is below 1 % in",
+        "of 540 cells",
+        "a &lt; b &amp; &quot;c&quot; {{data}} &lt;/script&gt;",
+        "plotly.js (cartesian - minified) v4.1.1",
+        "plotly.js 4.1.1 (MIT licence",
+        "stickslip submit three/job.toml",
+        "kind = &quot;eigenvalue&quot;",
+    ] {
+        assert!(page.contains(text), "{text}");
+    }
+    assert_eq!(page.matches("{{").count(), 2, "a place of the page without its part");
+    for outside in ["src=\"http", "href=\"http", "url(http", "@import"] {
+        let own = page.split("<script>").next().unwrap();
+        assert!(!own.contains(outside), "{outside}");
+    }
+    // The same run gives the same bytes.
+    place.run("report three --out again.html").done();
+    assert_eq!(fs::read_to_string(place.path("again.html")).unwrap(), page);
+}
+
+/// A thin ring, which more disc modes than a job may keep would bend further.
+const RING: &str = r#"
+name = "ring"
+[model]
+disc = { thickness = 0.002, inner_radius = 0.075, outer_radius = 0.090 }
+pad = { inner_radius = 0.078 }
+[axes]
+rotating_speed = 15
+preload = 0.1
+static_friction = { from = 0.3, to = 0.5, points = 3 }
+[random]
+inputs = ["preload", "static_friction"]
+relative_std = 0.1
+[criterion]
+kind = "coupled-eigenvalue"
+[sampling]
+samples = 50
+seed = 1
+"#;
+
+#[test]
+fn a_report_warns_of_what_check_warns_of() {
+    let place = Place::new();
+    submitted(&place, "ring", RING);
+    place.run("report ring").done();
+    let page = fs::read_to_string(place.path("ring/report.html")).unwrap();
+    assert!(page.contains("<p class=\"warning\">Warning: 24 disc modes: growth rate"), "no warning in the report");
+    assert!(page.contains("an error remains in results"), "no error in the warning");
+}
+
+/// A small job with Sobol indices, and another that differs from it in its damping.
+const DRAWN: &str = r#"
+name = "drawn"
+[axes]
+rotating_speed = 15
+preload = { from = 0.02, to = 0.3, points = 8 }
+static_friction = { from = 0.25, to = 0.5, points = 9 }
+[random]
+inputs = ["preload", "static_friction", "damping.tangential"]
+relative_std = 0.1
+[criterion]
+kind = "eigenvalue"
+[sampling]
+samples = 400
+sensitivity = true
+seed = 1
+"#;
+
+#[test]
+fn a_browser_shows_the_numbers_of_the_files() {
+    let Some(browser) = named_by("STICKSLIP_BROWSER") else { return };
+    let place = Place::new();
+    submitted(&place, "three", JOB);
+    place.run("report three").done();
+    submitted(&place, "drawn", DRAWN);
+    submitted(&place, "other", &DRAWN.replace("[axes]", "[model.damping]\ntangential = 800.0\n[axes]"));
+    place.run("report drawn other --out two.html").done();
+    place.run("compare drawn other --out differences.parquet").done();
+    let files =
+        ["three/report.html", "three/surface.parquet", "two.html", "drawn/surface.parquet", "differences.parquet"];
+    let files = files.map(|file| place.path(file).into_os_string());
+    python_agrees("browser.py", [browser].into_iter().chain(files));
+}
+
+/// What the script of a report draws.
+fn data(page: &str) -> Value {
+    let start = "<script id=\"data\" type=\"application/json\">";
+    let data = &page[page.find(start).unwrap() + start.len()..];
+    serde_json::from_str(&data[..data.find("</script>").unwrap()]).unwrap()
+}
+
+#[test]
+fn the_expected_brake_of_a_cell_is_that_of_analyse() {
+    let place = Place::new();
+    for (name, criterion, rate) in [
+        ("rigid", "kind = \"eigenvalue\"", "growth_rate_per_s"),
+        ("flexible", "kind = \"coupled-eigenvalue\"", "coupled_growth_rate_per_s"),
+    ] {
+        let axes = "preload = [0.05, 0.1, 0.25]\nstatic_friction = [0.3, 0.45]";
+        let job = format!(
+            "name = {name:?}\n[axes]\nrotating_speed = [10, 25]\n{axes}\n[random]\ninputs = [\"preload\"]\nrelative_std = 0.1\n[criterion]\n{criterion}\n[sampling]\nsamples = 10\nseed = 1\n"
+        );
+        submitted(&place, name, &job);
+        place.run(&format!("report {name}")).done();
+        let run = &data(&fs::read_to_string(place.path(&format!("{name}/report.html"))).unwrap())["runs"][0];
+        let table = Table::read(&place.path(&format!("{name}/surface.parquet")));
+        let mut cycles = 0;
+        for cell in 0..12 {
+            let of = |column| table.column(column)[cell];
+            let (speed, preload, friction) = (of("rotating_speed_rad_s"), of("preload"), of("static_friction"));
+            let analysis: Value = serde_json::from_str(
+                &place
+                    .run(&format!(
+                        "analyse --json --set operating_point.rotating_speed={speed} --set \
+                         operating_point.preload={preload} --set friction.static_coefficient={friction}"
+                    ))
+                    .done()
+                    .stdout,
+            )
+            .unwrap();
+            let shown = |column: &str| run["expected"][column][cell].as_f64();
+            let close = |shown: Option<f64>, known: Option<f64>| match (shown, known) {
+                (Some(shown), Some(known)) => assert!((shown - known).abs() <= 1e-5 * known.abs(), "{shown} {known}"),
+                both => assert_eq!(both, (None, None)),
+            };
+            close(shown("growth_rate"), analysis[rate].as_f64());
+            let cycle = &analysis["limit_cycle"];
+            let half = |high: f64| Some(0.5 * (high - cycle["x_min_mm"].as_f64()?));
+            close(shown("amplitude_mm"), cycle["x_max_mm"].as_f64().and_then(half));
+            close(shown("frequency_hz"), cycle["frequency_hz"].as_f64());
+            close(shown("stick"), cycle["stick_fraction"].as_f64());
+            cycles += usize::from(shown("stick").is_some());
+        }
+        assert!(0 < cycles && cycles < 12, "{cycles} cells have a limit cycle");
+    }
+}
+
+#[test]
+fn a_run_with_a_verdict_map_shows_it() {
+    let place = Place::new();
+    let job = "name = \"mapped\"\n[axes]\nrotating_speed = 20\npreload = [0.05, 0.1]\nstatic_friction = [0.3, 0.4]\n[random]\ninputs = [\"preload\", \"static_friction\"]\nrelative_std = 0.05\n[criterion]\nkind = \"time-domain\"\ndisc = \"rigid\"\n[sampling]\nmethod = \"exact\"\naudit = 10\n";
+    submitted(&place, "mapped", job);
+    place.run("report mapped").done();
+    let page = fs::read_to_string(place.path("mapped/report.html")).unwrap();
+    let map = &page[page.find("<h2 id=\"verdicts-heading\">Verdict map</h2>").unwrap()..];
+    assert!(map.contains("<svg role=\"img\" aria-label=\"Map of the verdicts") && map.contains(">unstable<"));
+    submitted(&place, "drawn", DRAWN);
+    place.run("report drawn").done();
+    assert!(!fs::read_to_string(place.path("drawn/report.html")).unwrap().contains("verdicts-heading"));
+}
+
+#[test]
+fn runs_that_share_no_cell_stand_beside_each_other() {
+    let place = Place::new();
+    submitted(&place, "three", JOB);
+    submitted(&place, "drawn", DRAWN);
+    let said = place.run("report three drawn").done();
+    assert_eq!(said.stdout, "report.html\n");
+    assert!(said.stderr.contains("without a comparison: three and drawn have no cell in common"), "{}", said.stderr);
+    let data = data(&fs::read_to_string(place.path("report.html")).unwrap());
+    assert_eq!(data["runs"].as_array().map(Vec::len), Some(2));
+    assert_eq!(data["comparisons"].as_array().map(Vec::len), Some(0));
+}
+
+/// The targets of a gallery with each kind of part: tables, curves, a surface.
+const SHOWN: &str = "reproduce table3 fig4 fig13 fig14a --report";
+
+#[test]
+fn the_gallery_has_every_number_of_the_scoreboard_and_needs_nothing_else() {
+    let place = Place::new();
+    let printed = place.run(&format!("{SHOWN} --out all")).done().stdout;
+    assert!(printed.ends_with("\ngallery: all/gallery.html\n"), "{printed}");
+    let page = fs::read_to_string(place.path("all/gallery.html")).unwrap();
+    assert!(page.len() < 1_000_000, "{} bytes", page.len());
+    for text in [
+        "15.56",
+        "19.257",
+        "critical speeds",
+        "In the paper",
+        "do not print are reconstructed",
+        "<table>",
+        "role=\"img\"",
+    ] {
+        assert!(page.contains(text), "{text}");
+    }
+    // Each section once, and each picture with words.
+    for target in ["table3", "fig4", "fig13", "fig14a"] {
+        assert_eq!(page.matches(&format!("<section id=\"{target}\"")).count(), 1, "{target}");
+    }
+    let pictures = page.matches("<svg ").count();
+    assert!(pictures == 4 && page.matches("aria-label=\"").count() > pictures, "{pictures}");
+    assert_eq!(page.matches("<figure").count(), page.matches("<details>").count());
+    assert!(!page.contains("{{") && !page.contains("<script") && !page.contains('\u{1b}'));
+    for outside in ["src=", "href=\"http", "url(", "@import"] {
+        assert!(!page.contains(outside), "{outside}");
+    }
+    place.run(&format!("{SHOWN} --out all")).done();
+    assert_eq!(fs::read_to_string(place.path("all/gallery.html")).unwrap(), page, "the same bytes again");
+
+    // The scoreboard is first, wherever it is named, and complete.
+    let printed = place.run("reproduce table3 scoreboard --report --out scores").done().stdout;
+    let page = fs::read_to_string(place.path("scores/gallery.html")).unwrap();
+    assert!(page.find("id=\"scoreboard\"").unwrap() < page.find("id=\"table3\"").unwrap());
+    let table = printed.split("printed in the paper").nth(1).unwrap();
+    let rows: Vec<&str> = table.lines().skip(1).take_while(|line| !line.is_empty()).collect();
+    assert_eq!(rows.len(), 17, "{printed}");
+    for row in rows {
+        let cells = row.split("  ").map(str::trim).filter(|cell| !cell.is_empty());
+        for cell in cells {
+            assert!(
+                page.contains(&format!(">{cell}</td>")) || page.contains(&format!("  {cell}</td>")),
+                "{cell}: {row}"
+            );
+        }
+    }
+    assert!(page.contains("constrains c_x"));
+}
+
+#[test]
+fn a_browser_shows_the_gallery() {
+    let Some(browser) = named_by("STICKSLIP_BROWSER") else { return };
+    let place = Place::new();
+    place.run(SHOWN).done();
+    python_agrees("gallery.py", [browser, place.path("runs/gallery.html").into_os_string()]);
+}
+
+#[test]
+fn a_run_over_one_axis_and_one_of_a_single_cell_have_reports_too() {
+    let place = Place::new();
+    for (name, preload) in [("line", "{ from = 0.02, to = 0.3, points = 15 }"), ("point", "0.1")] {
+        let job = JOB
+            .replace("[12, 15, 18]", "15")
+            .replace("{ from = 0.25, to = 0.5, points = 12 }", "0.39")
+            .replace("{ from = 0.02, to = 0.3, points = 15 }", preload)
+            .replace("\"three\"", &format!("{name:?}"));
+        submitted(&place, name, &job);
+        place.run(&format!("report {name}")).done();
+        let page = fs::read_to_string(place.path(&format!("{name}/report.html"))).unwrap();
+        assert!(page.contains("P is below") || page.contains("P is not surely below"), "{name}");
+    }
+}
+
+#[test]
+fn what_has_no_report_is_said() {
+    let place = Place::new();
+    place.run("report nowhere").refused(74, &["nowhere is not a run directory"]);
+    submitted(&place, "three", JOB);
+    place.run("report three --out three/surface.parquet").refused(64, &["written as HTML; name it three/surface.html"]);
+    place.run("report three --out no/folder/report.html").refused(73, &["no/folder"]);
+    fs::remove_file(place.path("three/surface.parquet")).unwrap();
+    place.run("report three").refused(65, &["has no surface yet", "stickslip resume three"]);
+}
+
+/// The numbers of cells in a sentence "P is below 1 % in A of N cells, below 5 % in B, below 50 % in C ...".
+fn counts(answer: &str) -> [usize; 4] {
+    let numbers = answer.split(|c: char| !c.is_ascii_digit()).filter_map(|word| word.parse().ok());
+    let numbers: Vec<usize> = numbers.collect();
+    // 1 %, A, N, 5 %, B, 50 %, C.
+    assert!(numbers.len() >= 7 && [numbers[0], numbers[3], numbers[5]] == [1, 5, 50], "{answer}");
+    [numbers[1], numbers[4], numbers[6], numbers[2]]
+}
+
+#[test]
+fn the_answer_is_that_of_the_exact_surface() {
+    let place = Place::new();
+    let limits = [0.01, 0.05, 0.5];
+    for job in 0..10 {
+        let text = JOB
+            .replace("12, 15, 18", &format!("{}, {}", 8 + 2 * job, 25 + job))
+            .replace("relative_std = 0.2", &format!("relative_std = {}", 0.05 + 0.03 * f64::from(job)))
+            .replace("seed = 1", &format!("seed = {job}"));
+        let exact = text.replace("samples = 2000\n", "").replace("seed =", "method = \"exact\"\nseed =");
+        place.write("exact.toml", &exact.replace("\"three\"", "\"exact\""));
+        place.write("drawn.toml", &text);
+        let printed = |name: &str| {
+            let out = place.run(&format!("submit {name}.toml --out {name}-{job}")).done().stdout;
+            out[out.find("P is below").unwrap()..].lines().take(2).collect::<Vec<_>>().join(" ")
+        };
+        let (exactly, drawn) = (counts(&printed("exact")), counts(&printed("drawn")));
+        let read = |name: &str| Table::read(&place.path(&format!("{name}-{job}/surface.parquet")));
+        let (known, estimated) = (read("exact"), read("drawn"));
+        for (i, limit) in limits.into_iter().enumerate() {
+            let below = known.column("p_unstable").iter().filter(|p| **p < limit).count();
+            assert_eq!(exactly[i], below, "job {job}, {limit}");
+            let sure: Vec<usize> =
+                (0..known.column("cell").len()).filter(|&cell| estimated.column("p_high")[cell] < limit).collect();
+            assert_eq!(drawn[i], sure.len(), "job {job}, {limit}");
+            // An upper end of a 95 % interval is too low in 2.5 % of the cells.
+            let wrong = sure.iter().filter(|&&cell| known.column("p_unstable")[cell] >= limit).count();
+            assert!(wrong <= 4, "job {job}, {limit}: {wrong} of {} cells", sure.len());
+        }
+        assert_eq!(exactly[3], 2 * 15 * 12);
+    }
+}
+
+/// Probabilities that are integrated, over speed and preload.
+const INTEGRATED: &str = r#"
+name = "integrated"
+[axes]
+rotating_speed = { from = 8.0, to = 16.0, points = 33 }
+preload = { from = 0.010, to = 0.050, points = 9 }
+static_friction = 0.39
+[random]
+inputs = ["static_friction"]
+relative_std = 0.20
+[criterion]
+kind = "eigenvalue"
+[sampling]
+method = "exact"
+"#;
+
+/// The points of the lines of an SVG that are drawn in black, one pixel wide, in shares of the box of its areas.
+fn drawn_lines(svg: &str) -> Vec<[f64; 2]> {
+    let paths = || svg.split("<path d=\"").skip(1).map(|path| path.split('>').next().unwrap());
+    let points = |path: &str| -> Vec<[f64; 2]> {
+        let path = path.split('"').next().unwrap();
+        let numbers = path.split(|c: char| !c.is_ascii_digit() && !"-.".contains(c)).filter(|part| !part.is_empty());
+        let numbers: Vec<f64> = numbers.map(|number| number.parse().unwrap()).collect();
+        numbers.chunks(2).map(|pair| [pair[0], pair[1]]).collect()
+    };
+    // The areas of the palest colour fill the panel; after them comes its tile in the bar of colours.
+    let areas: Vec<[f64; 2]> = paths().filter(|path| path.contains("fill=\"#fd")).take(1).flat_map(points).collect();
+    let [left, right] = [f64::min, f64::max].map(|of| areas.iter().map(|point| point[0]).reduce(of).unwrap());
+    let [top, bottom] = [f64::min, f64::max].map(|of| areas.iter().map(|point| point[1]).reduce(of).unwrap());
+    let lines = paths().filter(|path| path.contains("stroke=\"#1a1a1a\" stroke-width=\"1\""));
+    let share = |[x, y]: [f64; 2]| [(x - left) / (right - left), (bottom - y) / (bottom - top)];
+    lines.flat_map(points).map(share).collect()
+}
+
+#[test]
+fn plot_and_report_draw_a_probability_where_the_limit_is() {
+    let place = Place::new();
+    submitted(&place, "integrated", INTEGRATED);
+    place.run("report integrated").done();
+    place.run("plot integrated").done();
+    let found = place.run("limit integrated.toml --of rotating_speed --probability 0.05 --json").done().stdout;
+    let limits = &serde_json::from_str::<Value>(&found).unwrap()["limits"];
+    let limits: Vec<(f64, f64)> = limits.as_array().unwrap().iter().filter_map(of_limit).collect();
+    assert!(limits.len() > 5, "{found}");
+
+    // In the report, lines have a point at every preload.
+    let data = data(&fs::read_to_string(place.path("integrated/report.html")).unwrap());
+    let lines = data["runs"][0]["lines"].as_array().unwrap();
+    let of_level = lines.iter().filter(|line| line["level"] == 0.05);
+    let points: Vec<(f64, f64)> = of_level
+        .flat_map(|line| {
+            let numbers = |axis: &str| {
+                let values = line[axis].as_array().unwrap();
+                values.iter().map(|value| value.as_f64().unwrap()).collect::<Vec<f64>>()
+            };
+            numbers("x").into_iter().zip(numbers("y"))
+        })
+        .collect();
+    let svg = fs::read_to_string(place.path("integrated/surface.svg")).unwrap();
+    let drawn: Vec<[f64; 2]> =
+        drawn_lines(&svg).iter().map(|[right, up]| [0.01 + 0.04 * right, 8.0 + 8.0 * up]).collect();
+    let mut beside = 0;
+    for &(preload, speed) in &limits {
+        let at_preload = points.iter().filter(|point| (point.0 - preload).abs() < 1e-9);
+        let nearest = at_preload.map(|point| (point.1 - speed).abs()).fold(f64::INFINITY, f64::min);
+        // The speeds of the grid are 0.25 rad/s apart.
+        assert!(nearest < 0.005, "the report has 5 % at {preload} off by {nearest} rad/s");
+        // The line of a plot has a gap for its label, and is written with hundredths of a pixel.
+        let at_preload = drawn.iter().filter(|point| (point[0] - preload).abs() < 3e-5);
+        beside += usize::from(at_preload.map(|point| (point[1] - speed).abs()).any(|off| off < 0.01));
+    }
+    assert!(beside + 1 >= limits.len(), "the plot has 5 % at {beside} of {} limits", limits.len());
+}
+
+/// The preload and the speed of a limit, if there is one.
+fn of_limit(row: &Value) -> Option<(f64, f64)> {
+    Some((row["preload"].as_f64()?, row["limit"].as_f64()?))
+}
+
+#[test]
+fn a_report_says_what_its_numbers_rest_on() {
+    let place = Place::new();
+    submitted(&place, "three", JOB);
+    place.run("report three").done();
+    let page = fs::read_to_string(place.path("three/report.html")).unwrap();
+    let open = &page[..page.find("<section aria-labelledby=\"job-heading\"").unwrap()];
+    let table = Table::read(&place.path("three/surface.parquet"));
+    let outside = table.column("n_outside_physics");
+    let all: f64 = outside.iter().sum();
+    assert!(all > 0.0);
+    for text in [
+        &format!("({:.2} %, in one cell up to", 100.0 * all / (540.0 * 2000.0)),
+        "lie outside the model: preload at or below 0, or f_s &lt; f_c; they count as stable",
+        "<dt>Scatter</dt><dd >relative std: preload 0.2, friction 0.2</dd>",
+        "<dt>Criterion</dt><dd >kind = &quot;eigenvalue&quot;</dd>",
+        "samples = 2000, seed = 1</dd>",
+        "preload 0.02 to 0.3 (displacement 0.4 to 6 mm), 15 values",
+        "expected contact force on a rigid disc: 7.019 kN to 105.3 kN",
+        "<dt>Interval</dt><dd >95 % interval</dd>",
+        ", by submit</dd>",
+    ] {
+        assert!(open.contains(text), "{text}: {open}");
+    }
+    // What the map marks.
+    let shown = &data(&page)["runs"][0]["apart"]["outside"];
+    for (cell, count) in outside.iter().enumerate() {
+        assert!((shown[cell].as_f64().unwrap() - count / 2000.0).abs() < 1e-9, "{cell}");
+    }
+}
+
+#[test]
+fn a_run_without_scatter_has_verdicts_and_no_probabilities() {
+    let place = Place::new();
+    let job = JOB.replace("[random]\ninputs = [\"preload\", \"static_friction\"]\nrelative_std = 0.2\n", "");
+    submitted(&place, "three", &job.replace("samples = 2000\nseed = 1\n", ""));
+    place.run("report three").done();
+    let page = fs::read_to_string(place.path("three/report.html")).unwrap();
+    assert!(page.contains("<h2 id=\"map-heading\">Verdict of each cell</h2>") && !page.contains("<dt>Interval</dt>"));
+    let run = &data(&page)["runs"][0];
+    let verdicts = &run["verdicts"];
+    assert_eq!(run["lines"], Value::Array(Vec::new()));
+    let table = Table::read(&place.path("three/surface.parquet"));
+    for (cell, p) in table.column("p_unstable").iter().enumerate() {
+        let name = &verdicts["names"][verdicts["of_cells"][cell].as_u64().unwrap() as usize];
+        assert_eq!(name, if *p == 1.0 { "unstable" } else { "stable" }, "{cell}");
+    }
+}
+
+#[test]
+fn what_shows_an_earlier_surface_is_named() {
+    let place = Place::new();
+    let job = DRAWN.replace("samples = 400\nsensitivity = true", "samples = 100");
+    submitted(&place, "drawn", &job);
+    place.run("report drawn").done();
+    place.run("plot drawn").done();
+    let now = place.run("status drawn").done().stdout;
+    assert!(!now.contains("older"), "{now}");
+    let long_ago = SystemTime::now() - Duration::from_secs(3600);
+    for name in ["report.html", "surface.svg", "surface.png"] {
+        let file = fs::File::options().write(true).open(place.path(&format!("drawn/{name}"))).unwrap();
+        file.set_modified(long_ago).unwrap();
+    }
+    let line = "report.html, surface.png, surface.svg are older than the surface; make them again with `stickslip report drawn` and `stickslip plot drawn`\n";
+    let extended = place.run("submit drawn.toml --out drawn --samples 200").done().stdout;
+    assert!(extended.ends_with(line), "{extended}");
+    assert!(place.run("status drawn").done().stdout.ends_with(line));
+    let checked = place.run("verify drawn").done().stdout;
+    assert!(checked.contains("surface.png: older than the surface, which it does not show\n"), "{checked}");
+    place.run("report drawn").done();
+    place.run("plot drawn").done();
+    assert!(!place.run("status drawn").done().stdout.contains("older"));
+}
