@@ -12,7 +12,7 @@ MDBOOK = $(MDBOOK_ROOT)/bin/mdbook
 # What `make check` does.
 CHECKS = check-format check-dependencies check-lints check-documentation check-packages check-stages
 
-.PHONY: run test test-optimisation test-faults test-slurm test-parallel program check $(CHECKS) packages docs docs-pictures wheel dist test-python test-dist test-reproducible test-aarch64 install uninstall bench bench-cluster bench-peers validity coverage clean
+.PHONY: run test quick test-optimisation test-faults test-slurm test-parallel program check $(CHECKS) packages docs docs-pictures wheel dist local test-python test-dist test-release test-reproducible test-aarch64 install uninstall bench bench-cluster bench-peers validity coverage clean
 .DEFAULT_GOAL := run
 
 # Build, and run the main job: Figure 14a.
@@ -35,6 +35,11 @@ test: target/readers/ready
 	    echo "note: no Chromium, the test of the report in a browser is left out" >&2; \
 	fi; \
 	$(CARGO) test --locked --release --workspace --no-fail-fast
+
+# In a minute after a changed line: the unit tests and those of the command line but for the slow ones, with little
+# optimisation and with checks for overflow. The first time builds the dependencies.
+quick:
+	$(CARGO) test --locked --profile quick --workspace --lib --bins --test people
 
 # What happens to runs that are killed, starved, damaged or disturbed, see docs/faults.md. `make test-faults FAULTS=all` makes
 # the full number of tries, which takes hours.
@@ -101,18 +106,33 @@ $(PACKAGING)/ready: packaging/requirements.txt
 $(CYCLONEDX):
 	$(CARGO) install cargo-cyclonedx --version $(CYCLONEDX_VERSION) --locked --root $(CYCLONEDX_ROOT) --debug
 
-test-python: wheel
+# The same packages with the program that cargo builds here and that was tested: made in seconds, for this machine alone.
+LOCAL = target/local
+
+local: program $(PACKAGING)/ready $(CYCLONEDX)
+	rm -rf $(LOCAL)
+	$(PACKAGED) maturin build --quiet --release --locked --strip false --compatibility linux --out $(LOCAL)
+	$(PACKAGED) python -B packaging/wheel.py $(HOST_TARGET) $(LOCAL)/stickslip-*.whl
+	$(PACKAGED) python -B packaging/archive.py $(HOST_TARGET) $(LOCAL)/stickslip-*.whl - $(LOCAL)
+
+test-python: local
 	rm -rf target/python-tests
 	$(PYTHON) -m venv target/python-tests
 	target/python-tests/bin/python -m pip install --quiet --disable-pip-version-check -r tests/python/requirements.txt
 	target/python-tests/bin/python -m pip install --quiet --disable-pip-version-check \
-		"stickslip[pandas,polars,xarray,notebook] @ file://$(CURDIR)/$$(echo $(DIST_WHEEL))"
+		"stickslip[pandas,polars,xarray,notebook] @ file://$(CURDIR)/$$(echo $(LOCAL)/stickslip-*.whl)"
 	env -u STICKSLIP_PROGRAM target/python-tests/bin/python -m pytest tests/python
 	target/python-tests/bin/python -m mypy --strict python/stickslip
 
-# What is in the archive, and what `make install` does.
-test-dist: dist target/dist-tests/ready
-	$(PACKAGED) target/dist-tests/bin/python -B -m pytest -p no:cacheprovider tests/dist
+# What is in the wheel and the archive, and what `make install` does: of the local ones, and of those of a release, where
+# the program must run on older systems and may not say where it was built.
+test-dist: local
+test-release: dist
+test-dist: PACKAGES = $(LOCAL)
+test-release: PACKAGES = $(DIST)
+test-dist test-release: target/dist-tests/ready
+	$(PACKAGED) target/dist-tests/bin/python -B -m pytest -p no:cacheprovider tests/dist --packages $(PACKAGES) \
+		$(if $(filter test-dist,$@),-m "not release")
 
 target/dist-tests/ready: tests/dist/requirements.txt
 	$(PYTHON) -m venv target/dist-tests
@@ -185,7 +205,7 @@ packages:
 
 # The documentation as a site in target/docs, to be opened in a browser: README.md, ARCHITECTURE.md and docs/. Pages and
 # what they link to keep their places, so that the same links work here and in a view of the repository.
-docs: docs-pictures $(MDBOOK)
+docs: $(MDBOOK)
 	rm -rf target/docs target/book
 	mkdir -p target/book/src
 	cp docs/book.toml target/book

@@ -1,4 +1,4 @@
-"""The archive and the wheel of `make dist` for this machine, and the tools that look at them."""
+"""The archive and the wheel of `make local` or `make dist` for this machine, and the tools that look at them."""
 
 from __future__ import annotations
 
@@ -15,7 +15,6 @@ import pytest
 
 REPOSITORY = Path(__file__).resolve().parent.parent.parent
 TARGET = f"{platform.machine()}-unknown-linux-gnu"
-DIST = REPOSITORY / "target" / "dist"
 
 sys.path.insert(0, str(REPOSITORY / "packaging"))
 
@@ -37,12 +36,27 @@ def output(*command: object, **options: object) -> str:
     return done.stdout
 
 
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """`--packages FOLDER` is where the packages are."""
+    parser.addoption("--packages", type=Path, required=True)
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    config.addinivalue_line("markers", "release: true of the packages of a release alone")
+
+
 @pytest.fixture(scope="session")
-def archive() -> Path:
+def packages(pytestconfig: pytest.Config) -> Path:
+    """The folder of the packages."""
+    return (REPOSITORY / pytestconfig.getoption("packages")).resolve()
+
+
+@pytest.fixture(scope="session")
+def archive(packages: Path) -> Path:
     """The archive."""
     import parts
 
-    return DIST / f"stickslip-{TARGET}-v{parts.version()}.tar.gz"
+    return packages / f"stickslip-{TARGET}-v{parts.version()}.tar.gz"
 
 
 @pytest.fixture(scope="session")
@@ -56,9 +70,9 @@ def folder(archive: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="session")
-def wheel() -> zipfile.ZipFile:
+def wheel(packages: Path) -> zipfile.ZipFile:
     """The wheel."""
-    [path] = DIST.glob(f"stickslip-*_{platform.machine()}.whl")
+    [path] = packages.glob(f"stickslip-*_{platform.machine()}.whl")
     return zipfile.ZipFile(path)
 
 

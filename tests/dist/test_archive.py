@@ -9,6 +9,7 @@ import tarfile
 import zipfile
 from pathlib import Path
 
+import pytest
 from conftest import REPOSITORY, TARGET, output, tool
 
 
@@ -64,6 +65,7 @@ def test_the_program_is_that_of_the_wheel(folder: Path, wheel: zipfile.ZipFile) 
     assert wheel.read(name) == (folder / "bin" / "stickslip").read_bytes()
 
 
+@pytest.mark.release
 def test_it_needs_no_newer_library_than_glibc_2_17(folder: Path) -> None:
     program = folder / "bin" / "stickslip"
     versions = re.findall(r"GLIBC_([0-9.]+)", output(tool("objdump"), "-T", program))
@@ -74,6 +76,7 @@ def test_it_needs_no_newer_library_than_glibc_2_17(folder: Path) -> None:
     assert needed and all(re.fullmatch(of_glibc, library) for library in needed), needed
 
 
+@pytest.mark.release
 def test_no_path_of_the_build_is_in_it(folder: Path) -> None:
     program = (folder / "bin" / "stickslip").read_bytes()
     home = os.environ.get("CARGO_HOME", os.path.expanduser("~/.cargo"))

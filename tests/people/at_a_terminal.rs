@@ -125,7 +125,7 @@ fn a_bar_goes_away_when_its_run_is_interrupted() {
     let program = env!("CARGO_BIN_EXE_stickslip");
     terminal.type_and_wait_for(&format!("{program} submit slow.toml --out slow --threads 1\n"), "░");
     thread::sleep(Duration::from_millis(1500));
-    terminal.type_and_wait_for("\x03", "continue with `stickslip resume slow`");
+    terminal.type_and_wait_for("\x03", "samples are kept");
     terminal.type_and_wait_for("echo at ''an end\n", "at an end");
     let said = terminal.end();
     assert!(said.contains("^C"), "the terminal shows what is typed: {said}");

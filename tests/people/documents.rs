@@ -331,6 +331,7 @@ impl Drop for Python {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn everything_that_the_documents_show_runs() {
     let (mut ran, mut jobs, mut scripts, mut again) = (0, 0, 0, 0);
     let mut python = Python::start();

@@ -191,6 +191,7 @@ fn a_value_in_two_places_is_refused_with_both_lines() {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn implausible_values_are_warned_of_with_the_likely_unit() {
     let place = Place::new();
     let model = |section: &str, keys: &str| changed("[axes]", &format!("[model.{section}]\n{keys}\n\n[axes]"));

@@ -625,6 +625,7 @@ fn the_inputs_and_samples_of_a_job_are_seen_before_it_is_run() {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn an_estimate_converges_to_that_of_the_run() {
     let place = Place::new();
     let jobs = [

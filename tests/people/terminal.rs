@@ -170,6 +170,7 @@ fn completions_offer_the_keys_of_set() {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn a_shipped_job_is_written_with_its_files_and_nothing_is_replaced() {
     let place = Place::new();
     let said = place.run("init --from mission").done().stdout;

@@ -135,6 +135,7 @@ mod tests {
     use crate::job::JobSource;
 
     #[test]
+    #[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
     fn a_shipped_job_and_its_normalised_form_are_one_job() {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../jobs");
         let mut count = 0;

@@ -308,6 +308,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
     fn many_particles_leave_no_bias() {
         // Halves of the particles that differ in their distribution make the probability 4 % too large.
         let limit = 3.0;

@@ -70,6 +70,7 @@ fn islands_of_limit_states_are_not_lost() {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn intervals_of_rare_events_hold() {
     for (dimensions, p, points) in [(2, 1e-3, 128), (2, 1e-9, 128), (10, 1e-6, 128), (20, 1e-9, 512)] {
         let limit = -normal::quantile(p) * (dimensions as f64).sqrt();
@@ -79,6 +80,7 @@ fn intervals_of_rare_events_hold() {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn a_second_branch_and_an_island_are_not_lost() {
     // Two branches of the same probability.
     let branches = |u: &[f64]| u[0] > 5.0 || u[1] < -5.0;

@@ -148,6 +148,7 @@ fn correlation_and_a_standard_deviation_agree_with_a_double_loop() {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn other_distributions_agree_with_a_double_loop() {
     for marginal in [Marginal::Lognormal, Marginal::Uniform, Marginal::Gumbel] {
         let brake = Brake { marginal, ..Brake::new(0.1, 0.37, [0.0; 2], &STDS) };

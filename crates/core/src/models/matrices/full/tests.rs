@@ -145,6 +145,7 @@ fn a_band_that_reaches_far_from_all_pairs_is_searched() {
 
 /// Strong friction makes pairs grow by more than twice a cycle. In any band the unstable ones are those of all eigenvalues.
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn pairs_that_grow_fast_are_found() {
     let (mut fast, mut slow) = (0, 0);
     for size in [30, 160] {

@@ -265,6 +265,7 @@ fn searches_over_a_parameter_find_what_one_eigenvalue_problem_shows() {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn searches_over_a_parameter_find_what_all_eigenvalues_show() {
     let between = compare(0..105);
     assert!(between > 20, "{between}");

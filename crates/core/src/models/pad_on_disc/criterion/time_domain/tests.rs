@@ -103,6 +103,7 @@ fn assert_verdict_holds(criterion: &TimeDomain, inputs: RandomInputs, context: &
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn verdicts_hold_ten_times_as_long_near_both_boundaries() {
     for (disc, boundaries) in [(DiscModel::Rigid, [15.56, 30.197]), (FLEXIBLE, [15.398, 30.6])] {
         for start in [Start::NearEquilibrium, Start::Rest, Start::LimitCycle] {

@@ -44,6 +44,7 @@ fn assert_lanes_agree(criterion: &TimeDomain, inputs: &[RandomInputs]) -> [usize
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn every_lane_has_the_bits_of_the_scalar_code() {
     for (disc, count) in [(DiscModel::Rigid, 3000), (DiscModel::Flexible { modes: 5 }, 500)] {
         for start in [Start::NearEquilibrium, Start::Rest, Start::LimitCycle] {
@@ -118,6 +119,7 @@ fn the_list_may_be_of_any_length() {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn lanes_agree_where_the_pad_lifts_off() {
     // Thrown back from the calliper, the pad leaves the disc in part before it comes to rest or to stick-slip.
     let settings = TimeDomainSettings { displacement: 150.0, record_amplitude: true, ..Default::default() };

@@ -58,6 +58,7 @@ fn without_a_basin_there_is_no_knock_and_where_nothing_holds_the_knock_is_zero()
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn a_knock_a_little_smaller_returns_and_one_a_little_larger_does_not() {
     let mut draw = uniform_draws(12);
     let mut found = 0;

@@ -24,6 +24,7 @@ fn laws(draw: &mut impl FnMut() -> f64) -> FrictionLaw {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn where_no_cycle_is_inside_a_swing_that_shrinks_all_smaller_ones_shrink() {
     let mut draw = uniform_draws(7);
     let [mut decided, mut shrinking, mut of_tables] = [0; 3];

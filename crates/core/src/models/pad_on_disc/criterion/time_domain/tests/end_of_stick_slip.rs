@@ -103,6 +103,7 @@ impl Brake {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn verdicts_on_flexible_discs_are_right_or_undecided_about_the_end_of_stick_slip() {
     let mut decided = 0;
     for brake in &BRAKES {

@@ -191,6 +191,7 @@ fn describe(brake: &PadOnDisc) -> (FrictionLaw, f64, f64) {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn verdicts_are_right_for_every_law() {
     for (kind, least) in [(Kind::Stribeck, 30), (Kind::Viscous, 30), (Kind::Rational, 30), (Kind::Table, 30)] {
         let [wrong, undecided, compared] = compare(kind, 15, 100);
