@@ -21,7 +21,7 @@ run:
 	$(STICKSLIP) submit jobs/fig14a.toml
 
 # The tests. Those of the Python readers need Python with venv, those of the report a Chromium as well; without them they
-# are left out, with a word about it.
+# are left out, with a word about it. One more than there are processors run at a time, as many of them wait.
 test: target/readers/ready
 	if [ -x target/readers/bin/python ]; then \
 	    export STICKSLIP_PYTHON="$(CURDIR)/target/readers/bin/python"; \
@@ -34,7 +34,7 @@ test: target/readers/ready
 	else \
 	    echo "note: no Chromium, the test of the report in a browser is left out" >&2; \
 	fi; \
-	$(CARGO) test --locked --release --workspace --no-fail-fast
+	RUST_TEST_THREADS=$$(($$(getconf _NPROCESSORS_ONLN) + 1)) $(CARGO) test --locked --release --workspace --no-fail-fast
 
 # In a minute after a changed line: the unit tests and those of the command line but for the slow ones, with little
 # optimisation and with checks for overflow. The first time builds the dependencies.

@@ -69,7 +69,7 @@ fn plain_samples_that_contradict_a_probability_take_it_away() {
 #[test]
 fn plain_samples_do_not_depend_on_how_the_work_is_shared() {
     let place = Place::new();
-    let sampling = "method = \"conditional\"\nsamples = 8192\naudit = 2_000_000\nseed = 5";
+    let sampling = "method = \"conditional\"\nsamples = 1024\naudit = 500_000\nseed = 5";
     let text = two_masses("shared", "\"friction\", \"k\"", sampling);
     submitted(&place, "whole", &text);
     place.run("submit whole.toml --out one --threads 1").done();

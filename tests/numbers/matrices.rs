@@ -292,11 +292,16 @@ fn the_full_matrices_of_a_brake_give_its_probability_and_reduced_ones_nearly() {
     let job = job.replace("tu-brake/tu-brake.mat", matrices.to_str().unwrap());
     // A sample of the full matrices takes a second or two.
     let job = job.replace("method = \"exact\" ", "audit = 2\nmethod = \"exact\" ");
+    assert!(job.contains("audit = 2"));
     let full = submitted(&place, "full", &job);
     let p = full.column("p_unstable")[0];
     assert!((p - 0.010_691_428_9).abs() < 1e-9, "{p}");
 
     let done = place.run("reduce full.toml --audit 2").done();
+    // As docs/how-to/matrices.md shows it.
+    let vectors =
+        "100 vectors: 84 from eigenvectors at 3 parameter points, 8 from static answers to friction, 8 from modes";
+    assert!(done.stdout.starts_with(vectors), "{}", done.stdout);
     assert!(done.stdout.contains("2 samples:\n  0 verdicts differ"), "{}", done.stdout);
     assert!(done.stdout.contains("no mode of the bands is missing"), "{}", done.stdout);
     let submitted = place.run("submit full-100.toml --out reduced").done();

@@ -221,7 +221,7 @@ fn sums_of_weights_do_not_depend_on_how_the_work_is_shared() {
     place.run("submit begun.toml --out extended").done();
     place.run("submit begun.toml --out extended --samples 1024").done();
     assert!(place.surface("importance-one") == place.surface("extended"));
-    let samples = "method = \"importance\"\nsamples = 131_072\nparticles = 100";
+    let samples = "method = \"importance\"\nsamples = 32_768\nparticles = 100";
     place.write("job.toml", &job_of_ten("job", samples));
     place.run("submit job.toml --out whole").done();
     place.assert_survives_kills("whole", &[300, 500, 400], 2);
@@ -347,7 +347,7 @@ fn a_second_instability_behind_a_valley_is_found() {
     let table = submitted(&place, "more", &text("more", "0.03", "method = \"importance\"\nsamples = 2048"));
     assert!((table.column("p_unstable")[0] / 2.56e-5 - 1.0).abs() < 0.06, "{:?}", table.column("p_unstable"));
     // It passes 1e-5 at a preload of 0.0105.
-    let sampling = "method = \"importance\"\nsamples = 1024";
+    let sampling = "method = \"importance\"\nsamples = 1024\nparticles = 100";
     place.write("limit.toml", &text("limit", "{ from = 0.008, to = 0.016, points = 3 }", sampling));
     let said = place.run("limit limit.toml --of preload --probability 1e-5 --json").done().stdout;
     let found: serde_json::Value = serde_json::from_str(&said).unwrap();

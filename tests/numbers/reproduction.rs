@@ -24,7 +24,7 @@ fn upper_tail(z: f64) -> f64 {
     if z < 0.0 {
         return 1.0 - upper_tail(-z);
     }
-    let (steps, end) = (2000, 12.0);
+    let (steps, end) = (400, 12.0);
     let h = end / f64::from(steps);
     let density = |x: f64| (-0.5 * (z + x) * (z + x)).exp() / std::f64::consts::TAU.sqrt();
     let inner: f64 = (1..steps).map(|i| if i % 2 == 1 { 4.0 } else { 2.0 } * density(h * f64::from(i))).sum();
@@ -183,8 +183,8 @@ fn every_target_reproduces_the_same_output_twice() {
         let first = place.run(&format!("reproduce {name}")).done().stdout;
         assert!(!first.contains("DOES NOT HOLD"), "{first}");
         assert_eq!(first, other.run(&format!("reproduce {name} --threads 1")).done().stdout);
-        // Again, now from the finished run if there is one.
-        if name != "fig6" {
+        // Again, now from the finished run, where there is one. The sweeps of Figure 6 take long.
+        if name != "fig6" && place.path(&format!("runs/{name}/surface.parquet")).exists() {
             assert_eq!(first, place.run(&format!("reproduce {name}")).done().stdout);
         }
     }

@@ -352,8 +352,8 @@ fn shipped_jobs_are_checked_without_a_warning_and_run() {
         assert!(costs.iter().any(|cost| checked.stdout.contains(cost)), "{}", checked.stdout);
         let name = path.file_stem().unwrap().to_str().unwrap();
         let samples = match name {
-            // They take half a minute, and run in `tests/numbers/mission.rs` and `tests/numbers/matrices.rs`.
-            "mission" | "tu-brake" => continue,
+            // They take half a minute: see `tests/numbers/matrices.rs`, and below.
+            "tu-brake" | "mission" => continue,
             // A sample of each of its bands takes a second.
             "own-brake" => "--samples 1",
             "parking-map" => "",
@@ -362,6 +362,14 @@ fn shipped_jobs_are_checked_without_a_warning_and_run() {
         place.run(&format!("submit {job} {samples}")).done();
         assert!(place.path("runs").join(name).join("surface.parquet").exists());
     }
+    // At one of its speeds.
+    let mission = fs::read_to_string(repository().join("jobs/mission.toml")).unwrap();
+    let speeds = "rotating_speed = [10.0, 12.5, 15.0, 17.5, 20.0]";
+    assert!(mission.contains(speeds));
+    place.write("mission.toml", &mission.replace(speeds, "rotating_speed = 15.0"));
+    fs::copy(repository().join("jobs/mission-friction.csv"), place.path("mission-friction.csv")).unwrap();
+    place.run("submit mission.toml --samples 1024").done();
+    assert!(place.path("runs/mission/limits.parquet").exists());
 }
 
 #[test]

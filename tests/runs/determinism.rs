@@ -130,7 +130,7 @@ fn kills_at_random_times_do_not_change_a_byte() {
 #[test]
 fn signals_keep_finished_work_and_print_how_to_continue() {
     let place = Place::new();
-    place.write("job.toml", &surface_job("signalled", 20, 2_500_000, 3));
+    place.write("job.toml", &surface_job("signalled", 20, 500_000, 3));
     place.run("submit job.toml --out whole").done();
     for (signal, code, word) in [("INT", 130, "interrupted"), ("TERM", 143, "terminated")] {
         let words = if signal == "INT" { "submit job.toml --threads 1" } else { "resume runs/signalled --threads 1" };
@@ -228,7 +228,7 @@ fn a_task_started_twice_and_killed_once_loses_nothing() {
     let place = Place::new();
     place.write("job.toml", &surface_job("twice", 3, 20_000_000, 3));
     place.run("submit job.toml --out whole").done();
-    for attempt in 0..4 {
+    for attempt in [0, 3] {
         let run = format!("twice-{attempt}");
         let start = || {
             let mut command = place.command(&format!("submit job.toml --out {run} --shard 1/1 --threads 1"));
