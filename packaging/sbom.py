@@ -22,12 +22,16 @@ def bill_of_crates(target: str) -> dict[str, Any]:
     """The bill of the crates that the program is built from for a target, but for those that only its tests and build
     scripts need. Procedural macros count, as what they write is compiled too."""
     options = ["--format", "json", "--spec-version", "1.5", "--no-build-deps", "--quiet", "--override-filename", WRITTEN]
+    # It writes beside the manifests, and cargo would build again what lies in a folder that has changed.
+    times = {folder: folder.stat() for folder in REPOSITORY.glob("crates/*")}
     try:
         run(os.environ.get("CARGO", "cargo"), "cyclonedx", "--target", target, *options)
         text = (REPOSITORY / "crates" / "runner" / f"{WRITTEN}.json").read_text(encoding="utf-8")
     finally:
         for written in REPOSITORY.glob(f"crates/*/{WRITTEN}.json"):
             written.unlink()
+        for folder, before in times.items():
+            os.utime(folder, ns=(before.st_atime_ns, before.st_mtime_ns))
     # Crates of the repository are named by where it lies.
     text = re.sub(r'path\+file://[^"#]*#', "pkg:cargo/", text)
     return json.loads(re.sub(r'\?download_url=file:[^"#]*', "", text))
