@@ -14,6 +14,8 @@ CHECKS = check-format check-dependencies check-lints check-documentation check-p
 
 .PHONY: run test quick test-optimisation test-faults test-slurm test-parallel program check $(CHECKS) packages docs docs-pictures wheel dist local test-python test-dist test-release test-reproducible test-aarch64 install uninstall bench bench-cluster bench-peers validity coverage clean
 .DEFAULT_GOAL := run
+# Targets share folders, and cargo uses all processors anyway.
+.NOTPARALLEL:
 
 # Build, and run the main job: Figure 14a.
 run:
@@ -21,7 +23,7 @@ run:
 	$(STICKSLIP) submit jobs/fig14a.toml
 
 # The tests. Those of the Python readers need Python with venv, those of the report a Chromium as well; without them they
-# are left out, with a word about it. One more than there are processors run at a time, as many of them wait.
+# are left out, with a word about it. One more test runs at a time than there are processors, since many wait.
 test: target/readers/ready
 	if [ -x target/readers/bin/python ]; then \
 	    export STICKSLIP_PYTHON="$(CURDIR)/target/readers/bin/python"; \
@@ -34,9 +36,11 @@ test: target/readers/ready
 	else \
 	    echo "note: no Chromium, the test of the report in a browser is left out" >&2; \
 	fi; \
-	RUST_TEST_THREADS=$$(($$(getconf _NPROCESSORS_ONLN) + 1)) $(CARGO) test --locked --release --workspace --no-fail-fast
+	processors=$$(nproc 2>/dev/null || getconf _NPROCESSORS_ONLN) || exit 1; \
+	RUST_TEST_THREADS=$${RUST_TEST_THREADS:-$$((processors + 1))} \
+	    $(CARGO) test --locked --release --workspace --no-fail-fast
 
-# In a minute after a changed line: the unit tests and those of the command line but for the slow ones, with little
+# For while you write, an answer within a minute after a changed line: the unit tests and those of the command line but for the slow ones, with little
 # optimisation and with checks for overflow. The first time builds the dependencies.
 quick:
 	$(CARGO) test --locked --profile quick --workspace --lib --bins --test people
@@ -106,7 +110,8 @@ $(PACKAGING)/ready: packaging/requirements.txt
 $(CYCLONEDX):
 	$(CARGO) install cargo-cyclonedx --version $(CYCLONEDX_VERSION) --locked --root $(CYCLONEDX_ROOT) --debug
 
-# The same packages with the program that cargo builds here and that was tested: made in seconds, for this machine alone.
+# The same packages with the program that cargo builds here and that was tested, made in seconds. Not to be passed on: their
+# list of parts and their README are those of a release.
 LOCAL = target/local
 
 local: program $(PACKAGING)/ready $(CYCLONEDX)
@@ -128,10 +133,10 @@ test-python: local
 # the program must run on older systems and may not say where it was built.
 test-dist: local
 test-release: dist
-test-dist: PACKAGES = $(LOCAL)
-test-release: PACKAGES = $(DIST)
+test-dist: TESTED = $(LOCAL)
+test-release: TESTED = $(DIST)
 test-dist test-release: target/dist-tests/ready
-	$(PACKAGED) target/dist-tests/bin/python -B -m pytest -p no:cacheprovider tests/dist --packages $(PACKAGES) \
+	$(PACKAGED) target/dist-tests/bin/python -B -m pytest -p no:cacheprovider tests/dist --packages $(TESTED) \
 		$(if $(filter test-dist,$@),-m "not release")
 
 target/dist-tests/ready: tests/dist/requirements.txt

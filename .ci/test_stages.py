@@ -30,14 +30,14 @@ failures:
 test result: FAILED. 1 passed; 2 failed; 0 ignored; 0 measured; 0 filtered out; finished in 0.07s
 
 error: test failed, to rerun pass `--lib`
-     Running ../../tests/crash.rs (target/release/deps/crash-73660483e1969ded)
+     Running ../../tests/crash/main.rs (target/release/deps/crash-73660483e1969ded)
 
 running 1 test
 error: test failed, to rerun pass `--test crash`
 
 Caused by:
   process didn't exit successfully: `crash-73660483e1969ded` (signal: 6, SIGABRT: process abort signal)
-     Running ../../tests/whole.rs (target/release/deps/whole-e9be729b3f2bc181)
+     Running ../../tests/whole/main.rs (target/release/deps/whole-e9be729b3f2bc181)
 
 running 2 tests
 test one::red ... ok
@@ -83,7 +83,7 @@ class Reading(unittest.TestCase):
         self.assertEqual((stage.passed, stage.failed), (3, 3))
         self.assertEqual(stage.failures["src/lib.rs one::panics"], ["note: test did not panic as expected"])
         self.assertEqual(stage.failures["src/lib.rs one::red"], ["assertion failed"])
-        self.assertIn("SIGABRT", stage.failures["tests/crash.rs"][-1])
+        self.assertIn("SIGABRT", stage.failures["tests/crash/main.rs"][-1])
         self.assertEqual(len(stage.failures), 3)
 
     def test_pytest(self):

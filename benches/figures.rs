@@ -151,42 +151,53 @@ fn submit(directory: &Path, job: &Path, threads: usize) -> (f64, f64) {
     }
 }
 
+/// The numbers of threads that have a row: powers of two up to the processors of the machine, and all of these.
+fn thread_counts() -> Vec<usize> {
+    let all = thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    (0..).map(|exponent| 1 << exponent).take_while(|&count| count < all).chain([all]).collect()
+}
+
+/// Whole runs of a job: a row for each number of threads, and its gain over one thread. The numbers of threads take turns.
+fn by_threads(name: &str, directory: &Path, job: &Path, samples: f64, rounds: usize) {
+    let counts = thread_counts();
+    let mut times = vec![Vec::new(); counts.len()];
+    for _ in 0..rounds {
+        for (times, &count) in times.iter_mut().zip(&counts) {
+            times.push(submit(directory, job, count).0);
+        }
+    }
+    for (own, count) in times.iter().zip(&counts) {
+        figure(&format!("{name}, threads: {count}"), samples / median(own.clone()), "samples/s");
+    }
+    for (own, count) in times.iter().zip(&counts).skip(1) {
+        let gains = times[0].iter().zip(own).map(|(one, more)| one / more).collect();
+        let limit = if *count == 2 { " (at least 1.9)" } else { "" };
+        figure(&format!("{name}, {count} threads over one{limit}"), median(gains), "times");
+    }
+}
+
 fn threads() {
     let directory = tempfile::tempdir().expect("a temporary directory can be made");
     let job = job(directory.path(), "threads", 20, 1_000_000);
-    let all = thread::available_parallelism().map_or(1, std::num::NonZero::get);
-    let (mut one, mut two, mut every) = (Vec::new(), Vec::new(), Vec::new());
-    let (mut ratios, mut limits) = (Vec::new(), Vec::new());
-    for _ in 0..7 {
-        let single = submit(directory.path(), &job, 1).0;
-        let double = submit(directory.path(), &job, 2).0;
-        // Two processes that share nothing show the gain that the machine allows.
-        let apart = ["a", "b"].map(|name| directory.path().join(name));
-        let together = seconds(|| {
-            thread::scope(|scope| {
-                for path in &apart {
-                    fs::create_dir_all(path).expect("a directory can be made");
-                    let job = &job;
-                    scope.spawn(move || submit(path, job, 1));
-                }
+    by_threads("whole run of 4e8 samples", directory.path(), &job, 400.0 * 1e6, 7);
+    // Processes that share nothing show the gain that the machine allows.
+    for count in thread_counts().into_iter().skip(1) {
+        let apart: Vec<_> = (0..count).map(|number| directory.path().join(number.to_string())).collect();
+        let gains = (0..3).map(|_| {
+            let single = submit(directory.path(), &job, 1).0;
+            let together = seconds(|| {
+                thread::scope(|scope| {
+                    for path in &apart {
+                        fs::create_dir_all(path).expect("a directory can be made");
+                        let job = &job;
+                        scope.spawn(move || submit(path, job, 1));
+                    }
+                });
             });
+            count as f64 * single / together
         });
-        one.push(single);
-        two.push(double);
-        ratios.push(single / double);
-        limits.push(2.0 * single / together);
-        if all != 2 {
-            every.push(submit(directory.path(), &job, all).0);
-        }
+        figure(&format!("{count} separate processes over one (the machine's limit)"), median(gains.collect()), "times");
     }
-    let samples = 400.0 * 1e6;
-    figure("whole run of 4e8 samples, 1 thread", samples / median(one), "samples/s");
-    figure("whole run of 4e8 samples, 2 threads", samples / median(two), "samples/s");
-    if all != 2 {
-        figure(&format!("whole run of 4e8 samples, all {all} threads"), samples / median(every), "samples/s");
-    }
-    figure("two threads over one (at least 1.9)", median(ratios), "times");
-    figure("two separate processes over one (the machine's limit)", median(limits), "times");
 }
 
 fn memory() {
@@ -382,17 +393,17 @@ fn figure_14b() {
     let directory = tempfile::tempdir().expect("a temporary directory can be made");
     let job = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../jobs/fig14b.toml");
     let text = fs::read_to_string(&job).expect("the job is there");
-    let rigid = directory.path().join("rigid.toml");
-    fs::write(&rigid, text.replace("disc = \"flexible\"", "disc = \"rigid\"")).expect("the job file can be written");
+    let written = |name: &str, text: &str| {
+        let path = directory.path().join(name);
+        fs::write(&path, text).expect("the job file can be written");
+        path
+    };
+    let rigid = written("rigid.toml", &text.replace("disc = \"flexible\"", "disc = \"rigid\""));
+    by_threads("jobs/fig14b.toml, rigid disc", directory.path(), &rigid, 7.8e6, 3);
+    let few = text.replace("samples = 10_000", "samples = 1000");
+    assert_ne!(few, text);
+    by_threads("jobs/fig14b.toml, flexible disc, 1000 a cell", directory.path(), &written("few.toml", &few), 7.8e5, 3);
     let all = thread::available_parallelism().map_or(1, std::num::NonZero::get);
-    let mut ratios = Vec::new();
-    let mut times = Vec::new();
-    for _ in 0..3 {
-        let (one, two) = (submit(directory.path(), &rigid, 1).0, submit(directory.path(), &rigid, 2).0);
-        ratios.push(one / two);
-        times.push(submit(directory.path(), &rigid, all).0);
-    }
-    figure("jobs/fig14b.toml with the rigid disc (limit 60)", median(times), "s");
-    figure("two threads over one, rigid disc (at least 1.9)", median(ratios), "times");
+    figure("jobs/fig14b.toml with the rigid disc (limit 60)", submit(directory.path(), &rigid, all).0, "s");
     figure("jobs/fig14b.toml with the flexible disc (limit 1200)", submit(directory.path(), &job, all).0, "s");
 }

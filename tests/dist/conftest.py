@@ -42,7 +42,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    config.addinivalue_line("markers", "release: true of the packages of a release alone")
+    config.addinivalue_line("markers", "release: holds for the packages of a release only")
 
 
 @pytest.fixture(scope="session")

@@ -5,12 +5,13 @@ from __future__ import annotations
 import base64
 import hashlib
 import os
+import sys
 import time
 import zipfile
 from pathlib import Path
 
 import pytest
-from conftest import REPOSITORY
+from conftest import REPOSITORY, output
 
 
 def test_the_record_lists_what_is_in_it(wheel: zipfile.ZipFile) -> None:
@@ -56,3 +57,9 @@ def test_licences_and_parts_are_those_of_the_archive(folder: Path, wheel: zipfil
     lists = [name for name in wheel.namelist() if "/sboms/" in name]
     assert lists == [f"{information}/sboms/stickslip.cdx.json"]
     assert wheel.read(lists[0]) == (folder / "stickslip.cdx.json").read_bytes()
+
+
+def test_pip_installs_it(wheel: zipfile.ZipFile, folder: Path, tmp_path: Path) -> None:
+    options = ["--quiet", "--disable-pip-version-check", "--no-deps", "--no-index", "--target", tmp_path]
+    output(sys.executable, "-m", "pip", "install", *options, wheel.filename)
+    assert (tmp_path / "bin" / "stickslip").read_bytes() == (folder / "bin" / "stickslip").read_bytes()

@@ -452,3 +452,21 @@ fn things_are_where_the_page_says() {
         }
     }
 }
+
+/// What is not declared is not compiled.
+#[test]
+fn every_file_of_tests_belongs_to_its_program() {
+    let tests = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests");
+    let mut count = 0;
+    for program in ["physics", "numbers", "runs", "people"] {
+        let root = fs::read_to_string(tests.join(program).join("main.rs")).unwrap();
+        for entry in fs::read_dir(tests.join(program)).unwrap() {
+            let path = entry.unwrap().path();
+            let name = path.file_stem().unwrap().to_str().unwrap();
+            let is_declared = root.lines().any(|line| line == format!("mod {name};"));
+            assert!(name == "main" || is_declared, "{} is not declared in main.rs", path.display());
+            count += 1;
+        }
+    }
+    assert!(count > 40, "{count}");
+}

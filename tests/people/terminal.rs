@@ -189,6 +189,8 @@ fn a_shipped_job_is_written_with_its_files_and_nothing_is_replaced() {
         .refused(73, &["mission-friction.csv exists already and is another file"]);
     assert!(!place.path("third.toml").exists());
     place.run("init --from own-brake").done();
+    let matrices = "own-brake/own-brake.mat";
+    assert!(fs::read(place.path(matrices)).unwrap() == fs::read(repository().join("jobs").join(matrices)).unwrap());
     place.run("init --from parking-mop").refused(64, &["did you mean parking-map?", "\n  mission "]);
     place.run("init --from tu-brake").refused(64, &["tu-brake does not come with the program", "too large"]);
     assert!(place.run("init --from fig4 -").done().stdout.contains("name = \"fig4\""));

@@ -398,8 +398,8 @@ fn what_is_found_of_bounds_is_kept_beside_their_file() {
 }
 
 /// A job with a verdict map that is integrated over it and audited.
-const MAPPED: &str = "name = \"mapped\"\n[axes]\nrotating_speed = { from = 12.0, to = 18.0, points = 4 }\npreload = { from = 0.03, to = 0.3, points = 3 }\n\
-    static_friction = { from = 0.27, to = 0.5, points = 3 }\n[random]\ninputs = [\"preload\", \"static_friction\"]\n\
+const MAPPED: &str = "name = \"mapped\"\n[axes]\nrotating_speed = { from = 12.0, to = 18.0, points = 4 }\n\
+    preload = { from = 0.03, to = 0.3, points = 3 }\nstatic_friction = { from = 0.27, to = 0.5, points = 3 }\n[random]\ninputs = [\"preload\", \"static_friction\"]\n\
     relative_std = 0.2\n[criterion]\nkind = \"time-domain\"\ndisc = \"rigid\"\n[sampling]\nmethod = \"exact\"\naudit = ";
 
 #[test]
