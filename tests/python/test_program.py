@@ -27,7 +27,7 @@ WHICH = "import stickslip; print(stickslip.program(), stickslip.__file__, sticks
 def target(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """What `pip install --target` makes of the wheel."""
     folder = tmp_path_factory.mktemp("target") / "for a cluster"
-    [wheel] = (REPOSITORY / "target" / "dist").glob(f"stickslip-*_{platform.machine()}.whl")
+    [wheel] = (REPOSITORY / "target" / "local").glob(f"stickslip-*_{platform.machine()}.whl")
     install(wheel, "--target", str(folder))
     return folder
 
@@ -87,7 +87,7 @@ def test_pip_install_target(target: Path, place: Path) -> None:
 
 
 def test_pip_install_prefix_and_user(target: Path, place: Path) -> None:
-    [wheel] = (REPOSITORY / "target" / "dist").glob(f"stickslip-*_{platform.machine()}.whl")
+    [wheel] = (REPOSITORY / "target" / "local").glob(f"stickslip-*_{platform.machine()}.whl")
     install(wheel, "--prefix", str(place / "prefix"), "--ignore-installed")
     [site] = (place / "prefix").glob("lib*/python*/site-packages")
     answer = python(WHICH, folder=place, PYTHONPATH=str(site))
