@@ -40,8 +40,8 @@ test: target/readers/ready
 	RUST_TEST_THREADS=$${RUST_TEST_THREADS:-$$((processors + 1))} \
 	    $(CARGO) test --locked --release --workspace --no-fail-fast
 
-# For while you write, an answer within two minutes after a changed line: the unit tests and those of the command line but for the slow ones, with little
-# optimisation and with checks for overflow. The first time builds the dependencies.
+# For while you write, an answer within two minutes after a changed line: the unit tests and those of the command line, but
+# for the slow ones, with little optimisation and with checks for overflow. The first time builds the dependencies.
 quick:
 	$(CARGO) test --locked --profile quick --workspace --lib --bins --test people
 

@@ -151,9 +151,14 @@ fn submit(directory: &Path, job: &Path, threads: usize) -> (f64, f64) {
     }
 }
 
+/// As many threads as the machine has processors.
+fn all_threads() -> usize {
+    thread::available_parallelism().map_or(1, std::num::NonZero::get)
+}
+
 /// The numbers of threads that have a row: powers of two up to the processors of the machine, and all of these.
 fn thread_counts() -> Vec<usize> {
-    let all = thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    let all = all_threads();
     (0..).map(|exponent| 1 << exponent).take_while(|&count| count < all).chain([all]).collect()
 }
 
@@ -202,7 +207,7 @@ fn threads() {
 
 fn memory() {
     let directory = tempfile::tempdir().expect("a temporary directory can be made");
-    let all = thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    let all = all_threads();
     for (exponent, samples) in [(9, 2_500_000), (10, 25_000_000)] {
         let job = job(directory.path(), &format!("memory-1e{exponent}"), 20, samples);
         let (time, peak) = submit(directory.path(), &job, all);
@@ -214,7 +219,7 @@ fn memory() {
 fn start_up() {
     let directory = tempfile::tempdir().expect("a temporary directory can be made");
     let job = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../jobs/table3.toml");
-    let all = thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    let all = all_threads();
     let times = (0..15).map(|_| submit(directory.path(), &job, all).0).collect();
     figure("start to result of jobs/table3.toml (limit 0.3)", median(times), "s");
 }
@@ -403,7 +408,7 @@ fn figure_14b() {
     let few = text.replace("samples = 10_000", "samples = 1000");
     assert_ne!(few, text);
     by_threads("jobs/fig14b.toml, flexible disc, 1000 a cell", directory.path(), &written("few.toml", &few), 7.8e5, 3);
-    let all = thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    let all = all_threads();
     figure("jobs/fig14b.toml with the rigid disc (limit 60)", submit(directory.path(), &rigid, all).0, "s");
     figure("jobs/fig14b.toml with the flexible disc (limit 1200)", submit(directory.path(), &job, all).0, "s");
 }
