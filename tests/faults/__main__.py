@@ -13,6 +13,7 @@ import signal
 import sys
 import tempfile
 import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Optional
 
@@ -36,8 +37,8 @@ ROWS = [
 ]
 
 
-# A fault at a random moment is tried that often until it hits.
-MOST_ATTEMPTS = 6
+# A fault at a random moment is tried that often until it hits, each time earlier.
+MOST_ATTEMPTS = 12
 
 
 class Count:
@@ -83,13 +84,18 @@ def report(suite: Suite, row: Row, chosen: Try, why: str, history: list, options
     """Says what failed, what was done before, and how to do it again."""
     again = ["python3", "tests/faults", str(options.program), "--seed", str(suite.seed), "--only", row.name]
     again += ["--kind", chosen.kind, "--try", chosen.label] + ["--all"] * suite.is_full
-    lines = [f"  {line}" for line in "\n".join(history).splitlines()]
-    print(f"FAILED {row.name}, {chosen.kind}, {chosen.label}: {why}\n  again: {shlex.join(again)}", file=sys.stderr)
-    print("\n".join(lines), file=sys.stderr, flush=True)
+    lines = [f"FAILED {row.name}, {chosen.kind}, {chosen.label}: {why}", f"  again: {shlex.join(again)}"]
+    say("\n".join([*lines, *(f"  {line}" for line in "\n".join(history).splitlines())]))
+
+
+def say(text: str) -> None:
+    """Prints lines on standard error in one piece, as other rows print meanwhile."""
+    sys.stderr.write(f"{text}\n")
+    sys.stderr.flush()
 
 
 def make(suite: Suite, row: Row, options: argparse.Namespace) -> dict:
-    """Makes all tries of a row."""
+    """Makes all tries of a row, by the kind of run."""
     counts: dict = {}
     try:
         for chosen in row.tries(suite):
@@ -100,10 +106,15 @@ def make(suite: Suite, row: Row, options: argparse.Namespace) -> dict:
                 break
     except Skipped as reason:
         counts.setdefault("all", Count()).skipped = str(reason)
-        print(f"skipped: {row.name}: {reason}", file=sys.stderr)
+        say(f"skipped: {row.name}: {reason}")
     except Failed as reason:
         counts.setdefault("all", Count()).failed += 1
-        print(f"FAILED {row.name}: {reason}", file=sys.stderr)
+        say(f"FAILED {row.name}: {reason}")
+    for kind, count in counts.items():
+        if count.is_empty():
+            count.failed += 1
+            say(f"FAILED {row.name}, {kind}: no fault hit a run")
+        say(count.line(row, kind))
     return counts
 
 
@@ -128,25 +139,29 @@ def main() -> int:
     parser.add_argument("--limit", type=float, default=600, help="seconds after which a command counts as hanging")
     options = parser.parse_args()
     obey_signals()
-    # What was started is ended, too.
+    # After the tries that are under way.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
     begun = time.monotonic()
-    lines, failed = [], 0
+    rows = [row for row in ROWS if not options.only or row.name in options.only]
+
+    def made(row: Row) -> dict:
+        if options.seconds is None or time.monotonic() - begun <= options.seconds:
+            return make(suite, row, options)
+        left_out = Count()
+        left_out.skipped = "no time"
+        return {"all": left_out}
+
     with tempfile.TemporaryDirectory(prefix="stickslip-faults-") as scratch:
         suite = Suite(options.program, Path(scratch), options.seed, options.all, options.limit, options.kind)
-        for row in ROWS:
-            if options.only and row.name not in options.only:
-                continue
-            if options.seconds is not None and time.monotonic() - begun > options.seconds:
-                lines.append(f"| {row.fault} | all | left out: no time | | | | |")
-                continue
-            for kind, count in make(suite, row, options).items():
-                if count.is_empty():
-                    count.failed += 1
-                    print(f"FAILED {row.name}, {kind}: no fault hit a run", file=sys.stderr)
-                lines.append(count.line(row, kind))
-                failed += count.failed
-                print(lines[-1], file=sys.stderr, flush=True)
+        # Most tries keep one processor busy, and some wait.
+        with ThreadPoolExecutor(len(os.sched_getaffinity(0)) + 1) as workers:
+            try:
+                counts = list(workers.map(made, rows))
+            except BaseException:
+                suite.is_ending = True
+                raise
+    lines = [count.line(row, kind) for row, of in zip(rows, counts) for kind, count in of.items()]
+    failed = sum(count.failed for of in counts for count in of.values())
     print("| fault | kind of run | tries | same bytes | stated error | failed | seconds |")
     print("|---|---|---|---|---|---|---|")
     print("\n".join(lines))

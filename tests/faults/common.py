@@ -2,12 +2,15 @@
 
 import contextlib
 import filecmp
+import itertools
+import math
 import os
 import random
 import re
 import shutil
 import signal
 import subprocess
+import threading
 import time
 from pathlib import Path
 from typing import Callable, Iterable, NamedTuple, Optional, Sequence
@@ -62,7 +65,6 @@ class Ended(NamedTuple):
     code: int
     stdout: str
     stderr: str
-    seconds: float
 
     def says(self, *texts: str) -> None:
         for text in texts:
@@ -73,7 +75,7 @@ class Running:
     """A command under way."""
 
     def __init__(self, place: "Place", words: list, environment: Optional[dict], shown: str) -> None:
-        self.place, self.shown, self.begun = place, shown, time.monotonic()
+        self.place, self.shown = place, shown
         self.process = subprocess.Popen(
             words,
             cwd=place.path,
@@ -89,12 +91,18 @@ class Running:
         return self.process.poll() is None
 
     def work(self) -> float:
-        """Seconds that it has had on processors so far."""
-        try:
-            fields = Path(f"/proc/{self.process.pid}/stat").read_text().rpartition(")")[2].split()
-        except OSError:
-            return time.monotonic() - self.begun
-        return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+        """Seconds that it has had on processors so far, until its end is waited for."""
+        # As Linux numbers the clock of another process.
+        return time.clock_gettime(~self.process.pid << 3 | 2)
+
+    def work_until(self, moment: float = math.inf) -> float:
+        """Waits until it has worked so many seconds, or has ended; what it had done then."""
+        begun, work = time.monotonic(), 0.0
+        while work < moment and self.is_alive():
+            check(time.monotonic() - begun < self.place.suite.limit, f"`{self.shown}` neither works nor ends")
+            work = self.work()
+            time.sleep(0.001)
+        return work
 
     def send(self, number: int) -> None:
         if self.is_alive():
@@ -109,7 +117,7 @@ class Running:
             end_group(self.process)
             raise Failed(f"`{self.shown}` does not end within {limit:.0f} s") from None
         stdout, stderr = (text.decode("utf-8", "replace") for text in output)
-        ended = Ended(self.process.returncode, stdout, stderr, time.monotonic() - self.begun)
+        ended = Ended(self.process.returncode, stdout, stderr)
         self.place.history.append(f"{self.shown}  -> {ended.code}\n{stderr.rstrip()}".rstrip())
         for word in ("panicked", "internal error"):
             check(word not in stderr, f"a panic in `{self.shown}`: {stderr.strip()!r}")
@@ -139,7 +147,8 @@ class Reference(NamedTuple):
 
     # The bytes of its results, by their names.
     results: dict
-    seconds: float
+    # Seconds on processors.
+    work: float
     # Its run directory, that of a run of which one of two shards has finished, and the finished run that is extended. Only
     # the first is there of every kind.
     whole: Path
@@ -248,9 +257,9 @@ class Place:
         environment = dict(os.environ, S=str(self.suite.program))
         return Running(self, ["sh", "-c", line], environment, f"sh -c {line!r}").ended(expect)
 
-    def wait(self, part: float = 1.0) -> None:
-        """Waits for a random moment in (this part of) the time that the job takes, earlier if that was too late."""
-        time.sleep(self.random.uniform(0, part * self.reference.seconds * 0.6**self.attempt))
+    def wait(self, running: Running, part: float = 1.0) -> None:
+        """Waits for a random moment in (this part of) the work that the job takes, earlier if that was too late."""
+        running.work_until(self.random.uniform(0, part * self.reference.work * 0.6**self.attempt))
 
     def threads(self) -> int:
         return self.random.randint(1, 3)
@@ -349,8 +358,12 @@ class Suite:
         self.program = scratch / "stickslip"
         shutil.copy2(program, self.program)
         self.program.chmod(0o755)
+        # The rows of a suite are made side by side.
+        self.lock = threading.Lock()
         self.references: dict = {}
-        self.count = 0
+        self.numbers = itertools.count(1)
+        # Whether no further try is begun.
+        self.is_ending = False
 
     def kinds(self, row: str, among: Sequence = KINDS) -> list:
         """The kinds of run that a row is tried with: all, or a seeded sample of them, or the one that was asked for."""
@@ -375,34 +388,42 @@ class Suite:
         return random.Random("/".join(map(str, (self.seed, *names))))
 
     def place(self, row: str, chosen: Try, attempt: int) -> Place:
-        self.count += 1
+        if self.is_ending:
+            raise SystemExit
         chance = self.chance(row, chosen.kind, chosen.label, attempt)
-        place = Place(self, self.scratch / f"try-{self.count}", chosen.kind, chosen.small, chance, attempt)
+        place = Place(self, self.scratch / f"try-{next(self.numbers)}", chosen.kind, chosen.small, chance, attempt)
         place.prepare()
         return place
 
     def reference(self, kind: str, small: bool = False) -> Reference:
         """The undisturbed run of a kind."""
-        if (kind, small) not in self.references:
-            path = self.scratch / f"reference-{kind}-{'small' if small else 'large'}"
-            place = Place(self, path, kind, small, self.chance("reference", kind, small))
-            first = half = None
-            if place.table.first:
-                first = path / "first"
-                place.write_job("first.toml", is_first=True)
-                place.stickslip("submit", "first.toml", "--out", "first", "--threads", 1)
-            if not place.table.is_run:
-                place.prepare()
-            seconds = place.begin(threads=1).ended({DONE}).seconds
-            results = {name: (place.run / name).read_bytes() for name in place.table.results}
-            if place.table.is_run:
-                half = path / "half"
-                self.make_half(place, half, first, seconds)
-            self.references[kind, small] = Reference(results, seconds, place.run, half, first)
-        return self.references[kind, small]
+        with self.lock:
+            if (kind, small) not in self.references:
+                self.references[kind, small] = self.undisturbed(kind, small)
+            return self.references[kind, small]
+
+    def undisturbed(self, kind: str, small: bool) -> Reference:
+        """Computes it, and what some rows begin with."""
+        path = self.scratch / f"reference-{kind}-{'small' if small else 'large'}"
+        place = Place(self, path, kind, small, self.chance("reference", kind, small))
+        first = half = None
+        if place.table.first:
+            first = path / "first"
+            place.write_job("first.toml", is_first=True)
+            place.stickslip("submit", "first.toml", "--out", "first", "--threads", 1)
+        if not place.table.is_run:
+            place.prepare()
+        running = place.begin(threads=1)
+        work = running.work_until()
+        running.ended({DONE})
+        results = {name: (place.run / name).read_bytes() for name in place.table.results}
+        if place.table.is_run:
+            half = path / "half"
+            self.make_half(place, half, first, work)
+        return Reference(results, work, place.run, half, first)
 
     @staticmethod
-    def make_half(place: Place, half: Path, first: Optional[Path], seconds: float) -> None:
+    def make_half(place: Place, half: Path, first: Optional[Path], work: float) -> None:
         """Computes one of two shards. A search for rare events is stopped besides, so that there are answers of it."""
         shard = ["submit", "job.toml", "--out", "half", "--threads", 1, "--shard"]
         while True:
@@ -413,7 +434,7 @@ class Suite:
             if not (half / "searches").exists():
                 return
             running = place.start(*shard, "2/2")
-            time.sleep(place.random.uniform(0, seconds))
+            running.work_until(place.random.uniform(0, work))
             running.send(signal.SIGTERM)
             running.ended()
             if any((half / "searches").iterdir()):

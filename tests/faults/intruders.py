@@ -41,14 +41,13 @@ def directory(path: Path, _: bytes) -> None:
 
 
 def endpoint(path: Path, _: bytes) -> None:
-    # The name of a socket is short, so it is made where it lies.
-    before = os.getcwd()
-    os.chdir(path.parent)
+    # The name of a socket is short.
+    parent = os.open(path.parent, os.O_DIRECTORY)
     try:
         with socket.socket(socket.AF_UNIX) as made:
-            made.bind(path.name)
+            made.bind(f"/proc/self/fd/{parent}/{path.name}")
     finally:
-        os.chdir(before)
+        os.close(parent)
 
 
 def nothing(path: Path, _: bytes) -> None:

@@ -18,7 +18,7 @@ def at_random_moments(suite: Suite) -> Iterator[Try]:
         # Most are killed once, some again while they are resumed.
         for _ in range(place.random.choice([1, 1, 2, 3])):
             running = place.go_on()
-            place.wait()
+            place.wait(running)
             running.send(signal.SIGKILL)
             if running.ended({DONE, KILLED}).code == DONE:
                 break

@@ -140,7 +140,7 @@ def filled(place: Place) -> str:
     with SmallDisk(place, SMALL):
         running = place.begin()
         place.wait_for_work(running)
-        place.wait()
+        place.wait(running)
         filler = place.path / "disk" / "filler"
         fill(filler)
         ended = running.ended()

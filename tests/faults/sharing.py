@@ -63,7 +63,7 @@ def stale_locks(suite: Suite) -> Iterator[Try]:
     def act(place: Place) -> str:
         first = place.begin(threads=1)
         place.wait_for_work(first)
-        place.wait(0.5)
+        place.wait(first, 0.5)
         first.send(signal.SIGKILL)
         if first.ended({DONE, -signal.SIGKILL}).code == DONE:
             raise Missed("it had ended before")
@@ -85,7 +85,7 @@ def disturbed(place: Place, what: str) -> str:
     """Moves, removes or replaces the directory of a run at work."""
     running = place.begin()
     place.wait_for_work(running)
-    place.wait()
+    place.wait(running)
     moved = place.path / "moved"
     if what == "removed":
         # A file may be written meanwhile.

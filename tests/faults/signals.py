@@ -52,7 +52,7 @@ def at_work(place: Place) -> Running:
     """A run that has begun, at a random moment."""
     running = place.begin()
     place.wait_for_work(running)
-    place.wait(0.5)
+    place.wait(running, 0.5)
     return running
 
 

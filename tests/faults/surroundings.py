@@ -33,7 +33,7 @@ CLOCKS = ["@1970-01-01 00:00:01", "@2106-02-07 06:28:20", "-40y", "+30y", "-1d",
 def interrupted(place: Place, environment: dict, number: int) -> bool:
     """Begins or resumes a run, and ends it at a random moment; whether that came before its end."""
     running = place.go_on(threads=place.random.choice([1, 2, 3, 5, 8]), environment=environment)
-    place.wait()
+    place.wait(running)
     running.send(number)
     return running.ended({DONE, 128 + number, -number}).code != DONE
 
