@@ -27,7 +27,7 @@ from ._pictures import Plot, Report
 from ._process import interrupt
 from ._program import package_version as _package_version
 from ._program import program
-from ._questions import Comparison, analyse, bounds, check, compare, fit, limit, trajectory
+from ._questions import Comparison, analyse, check, compare, fit, limit, trajectory
 from ._run import Run, run
 
 #: The version of the package, ``"unknown"`` for a source tree that is not installed.
@@ -51,7 +51,6 @@ __all__ = [
     "Run",
     "UsageError",
     "analyse",
-    "bounds",
     "check",
     "compare",
     "fit",

@@ -1,4 +1,4 @@
-"""Questions that need no run: checks, one brake, limits, bounds, comparisons and estimates from tests."""
+"""Questions that need no run: checks, one brake, limits, comparisons and estimates from tests."""
 
 from __future__ import annotations
 
@@ -200,28 +200,6 @@ def limit(
     targets = [probability] if not isinstance(probability, Iterable) else probability
     options += [f"--probability={float(target)!r}" for target in targets if target is not None]
     return _table(["limit", argument, *options], stdin, kind, progress)
-
-
-@overload
-def bounds(
-    job: Job, kind: Literal["pandas"] = "pandas", *, threads: int | None = None, progress: bool = True
-) -> pandas.DataFrame: ...
-@overload
-def bounds(
-    job: Job, kind: Literal["polars"], *, threads: int | None = None, progress: bool = True
-) -> polars.DataFrame: ...
-@overload
-def bounds(job: Job, kind: Literal["arrow"], *, threads: int | None = None, progress: bool = True) -> pyarrow.Table: ...
-def bounds(job: Job, kind: TableKind = "pandas", *, threads: int | None = None, progress: bool = True) -> Table:
-    """Bound the probability of a job with imprecise values, ``{"between": [12, 18]}`` or ``{"one_of": [...]}``.
-
-    Returns
-    -------
-    table
-        A row for each cell: ``p_lower``, ``p_upper``, and with which values they are reached.
-    """
-    argument, stdin = as_argument(job)
-    return _table(["bounds", argument, *threads_option(threads)], stdin, kind, progress)
 
 
 class Comparison:

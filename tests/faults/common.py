@@ -265,7 +265,7 @@ class Place:
         return self.random.randint(1, 3)
 
     def pieces(self) -> set:
-        """Everything that is finished, but what is found of limits and bounds: that is removed when they are written."""
+        """Everything that is finished, but what is found of limits: that is removed when they are written."""
         return {path.relative_to(self.run) for folder in PIECES for path in self.run.glob(f"{folder}/*.jsonl")}
 
     def samples_done(self) -> Optional[int]:

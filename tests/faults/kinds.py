@@ -143,17 +143,6 @@ TABLE = {
     ),
     "matrices": Kind(**_OF_MATRICES, model=_INLINE, sampling=("samples = 40_000", "samples = 1500")),
     "matrix-files": Kind(**_OF_MATRICES, model=_OF_FILES, pairs=5, sampling=("samples = 2000", "samples = 200")),
-    "bounds": Kind(
-        "preload = { from = 0.05, to = 0.30, points = 4 }\nstatic_friction = { one_of = [0.37, 0.4] }",
-        _EIGENVALUE,
-        ('method = "exact"',) * 2,
-        random=(
-            'inputs = ["preload", "static_friction"]\nrelative_std = { between = [0.1, 0.2] }\n'
-            'correlation = [["preload", "static_friction", { between = [-0.5, 0.0] }]]'
-        ),
-        command="bounds job.toml --out {out}/bounds.parquet --threads {threads}",
-        results=("bounds.parquet",),
-    ),
     "reduction": Kind(
         **_OF_MATRICES,
         model=_OF_FILES,

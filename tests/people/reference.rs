@@ -57,10 +57,6 @@ fn listed(words: &[String]) -> String {
 fn types(root: &Value, schema: &Value) -> String {
     let mut words = Vec::new();
     for choice in alternatives(root, schema) {
-        // Imprecise values have a section of their own.
-        if choice["description"].as_str().is_some_and(|text| text.contains("`stickslip bounds`")) {
-            continue;
-        }
         let names = choice["type"].as_array().cloned().unwrap_or_else(|| vec![choice["type"].clone()]);
         for name in names {
             match name.as_str().unwrap_or("string") {

@@ -90,18 +90,6 @@ def test_limits_are_where_the_probability_is_the_target(
     assert "parquet" not in capsys.readouterr().err
 
 
-def test_bounds_hold_the_probabilities_between(small: dict[str, Any]) -> None:
-    small["axes"] = {"rotating_speed": {"between": [14.0, 16.0]}, "preload": 0.1}
-    small["sampling"] = {"method": "exact"}
-    table = stickslip.bounds(small)
-    assert len(table) == 1
-    small["axes"]["rotating_speed"] = [14.0, 15.0, 16.0]
-    between = stickslip.run(small, progress=False).surface()["p_unstable"]
-    assert table["p_lower"][0] == pytest.approx(between.min(), abs=1e-9)
-    assert table["p_upper"][0] == pytest.approx(between.max(), abs=1e-9)
-    assert between.min() < between[1] < between.max()
-
-
 def test_compare_returns_the_differences(small: dict[str, Any]) -> None:
     first = stickslip.run(small, "first", progress=False)
     small["model"] = {"friction": {"stribeck_velocity": 0.6}}

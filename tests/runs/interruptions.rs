@@ -352,51 +352,6 @@ fn the_search_for_critical_values_of_one_cell_is_kept() {
     assert!(place.surface("run") == place.surface("whole"));
 }
 
-#[test]
-fn what_is_found_of_bounds_is_kept_beside_their_file() {
-    let place = Place::new();
-    place.write(
-        "slow.toml",
-        "name = \"bounds\"\n[axes]\npreload = { from = 0.05, to = 0.3, points = 40 }\nstatic_friction = { one_of = [0.37, 0.4] }\n\
-         [random]\ninputs = [\"preload\", \"static_friction\"]\nrelative_std = { between = [0.1, 0.2] }\n\
-         correlation = [[\"preload\", \"static_friction\", { between = [-0.5, 0.0] }]]\n[criterion]\nkind = \"eigenvalue\"\n\
-         [sampling]\nmethod = \"exact\"\n",
-    );
-    let words = "bounds slow.toml --threads 1 --out bounds.parquet";
-    let folder = "bounds.parquet.searches";
-    let is_damaged = Cell::new(false);
-    let kept = || {
-        let kept = answers_kept(&place, folder);
-        let names = names_in(&place, folder);
-        match names.first() {
-            Some(name) if !is_damaged.replace(true) => {
-                // It is not used, and found again.
-                let path = place.path(folder).join(name);
-                let content = fs::read(&path).unwrap();
-                fs::write(&path, &content[..content.len() / 2]).unwrap();
-                0
-            }
-            _ => kept,
-        }
-    };
-    tried_until_met(|attempt| {
-        let _ = (fs::remove_dir_all(place.path(folder)), fs::remove_file(place.path("bounds.parquet")));
-        is_damaged.set(false);
-        stopped_until_done(attempt, || Running::start(&place, words), kept, |_| is_damaged.get())
-    });
-    assert!(!place.path(folder).exists(), "what is needed no more is removed");
-    place.run("bounds slow.toml --out whole.parquet").done();
-    assert!(fs::read(place.path("bounds.parquet")).unwrap() == fs::read(place.path("whole.parquet")).unwrap());
-    // Once it has begun to search.
-    tried_until_met(|attempt| {
-        let mut running = Running::start(&place, &words.replace(" --out bounds.parquet", ""));
-        wait_until_it_watches(&mut running.child);
-        thread::sleep(Duration::from_millis(10 * u64::from(attempt)));
-        let said = running.stop_or_end("TERM")?;
-        if said.contains("with --out FILE, what was found is kept") { Ok(()) } else { Err(said) }
-    });
-}
-
 /// A job with a verdict map that is integrated over it and audited.
 const MAPPED: &str = "name = \"mapped\"\n[axes]\nrotating_speed = { from = 12.0, to = 18.0, points = 4 }\n\
     preload = { from = 0.03, to = 0.3, points = 3 }\nstatic_friction = { from = 0.27, to = 0.5, points = 3 }\n[random]\ninputs = [\"preload\", \"static_friction\"]\n\

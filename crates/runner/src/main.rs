@@ -127,7 +127,6 @@ fn dispatch(command: Command, interrupt: &Interrupt) -> Result<(), Failure> {
         Command::Compare(arguments) => commands::compare(&arguments, interrupt),
         Command::Fit(arguments) => commands::fit(&arguments),
         Command::Limit(arguments) => commands::limit(&arguments, interrupt),
-        Command::Bounds(arguments) => commands::bounds(&arguments, interrupt),
         Command::Plot(arguments) => commands::plot(&arguments, interrupt),
         Command::Report(arguments) => commands::report(&arguments, interrupt),
         Command::Export(arguments) => commands::export(&arguments),

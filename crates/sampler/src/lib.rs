@@ -13,7 +13,6 @@
 //! | a probability below one in a million | [`rare`] |
 //! | which input matters, and derivatives | [`estimate::sobol_indices`], [`estimate::score`] |
 //! | the value of an axis at which a probability is reached | [`limits`] |
-//! | bounds over inputs that are known as intervals | [`imprecise`] |
 //! | distributions from tests | [`fit`] |
 //! | what a method assumes, and how you notice that it fails | [`methods`] |
 //!
@@ -31,7 +30,6 @@
 //! | [`draw`] | the identity of a sample, its deviates, Sobol points |
 //! | [`verdict_map`] | the verdict as a function of two inputs |
 //! | [`integrate`] | probabilities without samples: in closed form, and from a verdict map |
-//! | [`imprecise`] | the least and the greatest probability over inputs that are known as intervals |
 //! | [`estimate`] | intervals, sequential looks, randomisations, audits, differences, derivatives, Sobol indices |
 //! | [`fit`] | distributions of two inputs from tests, by maximum likelihood |
 //! | [`limits`] | at which values of an axis the probability passes a target |
@@ -56,8 +54,6 @@ pub mod draw;
 pub mod verdict_map;
 
 pub mod integrate;
-
-pub mod imprecise;
 
 pub mod estimate;
 

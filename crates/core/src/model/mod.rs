@@ -329,9 +329,6 @@ pub trait ClosedForm {
     /// The boundary with the expected values of what else varies.
     fn boundary(&self) -> PairBoundary;
 
-    /// Whether more of the second quantity is never stable where less is unstable, whatever the other quantities.
-    fn is_always_unstable_above(&self) -> bool;
-
     /// The boundary of a sample with these values of the varying quantities; `None` if one is not admissible.
     fn boundary_of(&self, values: &[f64]) -> Option<PairBoundary>;
 

@@ -6,7 +6,7 @@ mod threads;
 
 mod engine;
 
-mod decisions;
+mod limit;
 
 mod start;
 
@@ -21,8 +21,8 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
 
-pub use self::decisions::{BoundsArguments, LimitArguments};
 pub use self::engine::{EngineArguments, EngineKind, ListFormat, ShardArgument};
+pub use self::limit::LimitArguments;
 pub use self::pad_on_disc::{
     AllotmentArgument, AnalyseArguments, BrakeArguments, DiscArgument, EstimateArgument, FitArguments, MotionArguments,
     ParametersArguments, TrajectoryArguments,
@@ -82,8 +82,6 @@ pub enum Command {
     Fit(FitArguments),
     /// Find where along an axis the probability of instability passes a target
     Limit(LimitArguments),
-    /// Find the lower and upper probability over imprecise inputs
-    Bounds(BoundsArguments),
     /// Reduce the matrices of a job to few coordinates, and say what that costs
     Reduce(ReduceArguments),
     /// Draw the result of a finished run, or a simulated motion, as SVG, PDF and PNG

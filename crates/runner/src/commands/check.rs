@@ -7,7 +7,6 @@ use serde_json::{Value, json};
 use stickslip_core::model::quantity::{Quantity, Role};
 use stickslip_sampler::draw::identity::BLOCK_SAMPLES;
 
-use super::bounds;
 use super::cluster_prediction::ClusterPrediction;
 use crate::cli::CheckArguments;
 use crate::evaluate::evaluator::Evaluator;
@@ -35,9 +34,6 @@ struct Cost {
 pub fn check(arguments: &CheckArguments) -> Result<(), Failure> {
     let begun = Instant::now();
     let source = JobSource::read(&arguments.job)?;
-    if source.is_imprecise() {
-        return bounds::check(&source, arguments);
-    }
     let job = source.job()?;
     source.require_options_for_jobs(&job)?;
     warn(job.warnings());

@@ -18,8 +18,6 @@ mod cluster_prediction;
 
 mod kept_beside;
 
-mod bounds;
-
 mod check;
 
 mod one_brake;
@@ -75,7 +73,6 @@ mod report;
 mod export;
 
 pub use analyse::analyse;
-pub use bounds::bounds;
 pub use check::check;
 pub use compare::compare;
 pub use completion::{FinishedRun, complete_run};

@@ -45,15 +45,13 @@ impl IntegratedCell {
 }
 
 /// The probability of instability with a boundary of stability, where only the pair of the model scatters: with these
-/// expected values and standard deviations. The inputs are normal and independent without a correlation, and have the
-/// distributions of the job with one.
-pub fn exact_probability(
-    job: &Job,
-    boundary: &PairBoundary,
-    pair: &NormalPair,
-    correlation: Option<f64>,
-) -> ExactProbability {
-    let Some(correlation) = correlation else { return closed_form::probability(boundary, pair) };
+/// expected values and standard deviations. The inputs are normal and independent where the job says no more, and have the
+/// distributions of the job otherwise.
+pub fn exact_probability(job: &Job, boundary: &PairBoundary, pair: &NormalPair) -> ExactProbability {
+    if job.random.is_plain() {
+        return closed_form::probability(boundary, pair);
+    }
+    let correlation = job.random.pairs.first().map_or(0.0, |&(_, _, coefficient)| coefficient);
     let of = |which: usize| match job.random.pair()[which] {
         Some(position) => {
             let marginal = &job.random.marginals[position];
@@ -62,13 +60,6 @@ pub fn exact_probability(
         None => InputDistribution::fixed(pair.expected[which]),
     };
     Pair::new(of(0), of(1)).exact_probability(boundary, &PairLaw::correlated(correlation))
-}
-
-/// The correlation of the pair of a job in which nothing else scatters, which may be 0; `None` where both are normal and
-/// independent.
-pub fn correlation_of_pair(job: &Job) -> Option<f64> {
-    let coefficient = job.random.pairs.first().map_or(0.0, |&(_, _, coefficient)| coefficient);
-    (!job.random.is_plain()).then_some(coefficient)
 }
 
 impl Evaluator<'_> {
@@ -91,7 +82,7 @@ impl Evaluator<'_> {
         let asked = |cell: u64| Asked::new(self.keeper.as_deref(), (cell, 0));
         if let Some(boundary) = &self.criteria.boundary(self.job, index) {
             let Ok(estimate) = asked(cell.index).estimate(|| {
-                let exact = exact_probability(self.job, boundary, &pair, correlation_of_pair(self.job));
+                let exact = exact_probability(self.job, boundary, &pair);
                 let low = (exact.value - exact.error_bound).max(0.0);
                 let high = (exact.value + exact.error_bound).min(1.0);
                 Ok::<_, Infallible>(Estimate { probability: Some(exact.value), low, high })

@@ -1,5 +1,6 @@
 //! Limits along an axis of a job, in one combination of the other axes.
 
+use stickslip_core::model::quantity::Role;
 use stickslip_core::model::verdict::VerdictCounts;
 use stickslip_sampler::estimate::interval::Estimate;
 use stickslip_sampler::estimate::randomisations;
@@ -12,8 +13,8 @@ use stickslip_sampler::limits::spans::{OutsidePhysics as Outside, Sample, Spans}
 use stickslip_sampler::limits::sweep::{SortedSweep, Sweep};
 
 use crate::evaluate::evaluator::Evaluator;
+use crate::evaluate::integral::exact_probability;
 use crate::evaluate::limits_found::{Beside, CombinationLimits, Ended};
-use crate::evaluate::open_cell::{Open, OpenCell};
 use crate::evaluate::randomised;
 use crate::evaluate::remembered_intervals::RememberedIntervals;
 use crate::evaluate::remembering::{Asked, Keeper};
@@ -85,13 +86,21 @@ impl<'a> LimitSearch<'a> {
         let asked = Asked::new(self.keeper, (cell, 0));
         match self.method {
             LimitMethod::Integral => {
-                let no_such = |value: f64| move |error| Ended::NoSuchConfiguration(value, error);
-                let open =
-                    OpenCell::new(self.job, cell, vec![Open::Expected(self.axis.quantity)], &[self.axis.values[0]]);
-                let open = open.map_err(no_such(self.axis.values[0]))?;
+                let quantity = self.axis.quantity;
+                let boundary = |cell: &Cell| {
+                    let no_such = |error| Ended::NoSuchConfiguration(cell.expected[quantity], error);
+                    self.job.boundary_with(&cell.expected).map_err(no_such)
+                };
+                let of_first = self.job.grid.cell(cell);
+                // One boundary, unless it depends on the axis.
+                let is_common = self.job.quantity(quantity).role != Role::Configuration;
+                let common = if is_common { Some(boundary(&of_first)?) } else { None };
                 let estimate = |value: f64| {
                     go_on()?;
-                    let found = open.probability(&[value]).map_err(no_such(value))?;
+                    let mut cell = of_first.clone();
+                    cell.expected[quantity] = value;
+                    let boundary = common.map_or_else(|| boundary(&cell), Ok)?;
+                    let found = exact_probability(self.job, &boundary, &self.job.normal_pair(&cell));
                     let [low, high] = found.bounds();
                     Ok(Estimate { probability: Some(found.value), low, high })
                 };

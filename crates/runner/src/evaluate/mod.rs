@@ -31,8 +31,6 @@ pub mod tiles;
 
 pub mod integral;
 
-pub mod open_cell;
-
 pub mod randomised;
 
 pub mod limits_found;
@@ -40,10 +38,6 @@ pub mod limits_found;
 pub mod weighted_limits;
 
 pub mod limits;
-
-pub mod open_input;
-
-pub mod bounds;
 
 mod stream;
 

@@ -10,7 +10,6 @@ use std::time::{Duration, Instant};
 
 use stickslip_core::model::IsStopped;
 use stickslip_sampler::estimate::interval::Estimate;
-use stickslip_sampler::integrate::closed_form::ExactProbability;
 use stickslip_sampler::rare::points::{Integrand, Points};
 
 /// A cell, and the number of a search in it.
@@ -143,18 +142,6 @@ impl<'a> Asked<'a> {
         };
         let write = |found: &Estimate| vec![found.probability.unwrap_or(f64::NAN), found.low, found.high];
         self.ask(3, read, write, find)
-    }
-
-    /// The next answer, which is a probability that is integrated.
-    ///
-    /// # Errors
-    /// What ends the search.
-    pub fn integral<E>(&self, find: impl FnOnce() -> Result<ExactProbability, E>) -> Result<ExactProbability, E> {
-        let read = |numbers: &[f64]| {
-            let &[value, error_bound] = numbers else { return None };
-            (is_probability(value) && error_bound >= 0.0).then_some(ExactProbability { value, error_bound })
-        };
-        self.ask(2, read, |found| vec![found.value, found.error_bound], find)
     }
 }
 

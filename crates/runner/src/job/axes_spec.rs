@@ -7,10 +7,7 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
-use serde_json::json;
 use toml::Spanned;
-
-use super::imprecise_schema::number_or_imprecise;
 
 /// The axes of the grid, by name.
 #[derive(Debug, Default)]
@@ -155,7 +152,7 @@ impl JsonSchema for AxisSpec {
         json_schema!({
             "description": "A number, a list of numbers, or values between two ends.",
             "anyOf": [
-                number_or_imprecise(&json!({ "type": "number" })),
+                { "type": "number" },
                 { "type": "array", "items": { "type": "number" }, "minItems": 1, "uniqueItems": true },
                 range,
             ]

@@ -10,7 +10,6 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::{Map, Value, json};
 use stickslip_sampler::inputs::Marginal;
 
-use super::imprecise_schema::one_of;
 use super::keys::{nearest, schema_of};
 
 /// Distributions that are written as a name.
@@ -190,10 +189,8 @@ impl JsonSchema for DistributionSpec {
         let alone = KEYS.keys().map(String::as_str).filter(|key| !OF_A_FILE.contains(key));
         let mut choices = vec![json!({ "enum": NAMED.map(|(name, _)| name) }), table(&OF_A_FILE)];
         choices.extend(alone.map(|key| table(&[key])));
-        choices.push(one_of(&json!({ "anyOf": choices })));
         let of_input = json!({ "anyOf": choices });
-        let mut keys = vec!["one_of"];
-        keys.extend(KEYS.keys().map(String::as_str));
+        let keys: Vec<&str> = KEYS.keys().map(String::as_str).collect();
         choices.push(json!({
             "type": "object",
             "additionalProperties": of_input,

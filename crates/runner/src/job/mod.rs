@@ -6,8 +6,6 @@ mod diagnosis;
 
 mod measured;
 
-mod imprecise_schema;
-
 mod distribution_spec;
 
 mod random_spec;
@@ -31,8 +29,6 @@ mod syntax;
 mod spec;
 
 mod reading;
-
-mod imprecise_values;
 
 mod scatter;
 
@@ -68,11 +64,7 @@ mod limit;
 
 mod validation;
 
-mod imprecise;
-
 mod normalised;
-
-mod imprecise_written;
 
 mod identity;
 
@@ -82,8 +74,6 @@ mod source;
 mod mutations;
 
 pub use engine::{EngineSettings, MOST_CPUS, MOST_SHARDS, Memory, SlurmName, TimeLimit};
-pub use imprecise::{Combination, ImpreciseJob, ImpreciseQuantity};
-pub use imprecise_values::{Values, What};
 pub use limit::LimitMethod;
 pub use limit_axis::LimitAxis;
 pub use limit_request::LimitRequest;

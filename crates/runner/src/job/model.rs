@@ -1,7 +1,6 @@
 //! What a kind of model is to a job: how it is checked, and what the rest of the job asks it.
 
 use std::fmt::Debug;
-use std::ops::Range;
 use std::path::Path;
 
 use schemars::{Schema, SchemaGenerator};
@@ -140,11 +139,6 @@ pub trait Draft {
 
     /// What its criterion knows of the boundary of stability, if it says which one it is.
     fn boundary(&self) -> Option<Boundary>;
-
-    /// Where the text says which criterion it is.
-    fn criterion_span(&self) -> Option<Range<usize>> {
-        None
-    }
 
     /// The key of what happens to samples outside the model, if it is given.
     fn outside_physics(&self) -> Option<&Spanned<OutsidePhysics>>;

@@ -18,7 +18,7 @@ const OF_EACH: usize = 60;
 const OF_EACH_FLEXIBLE: usize = 8;
 
 /// Values that are put in place of others.
-const VALUES: [&str; 42] = [
+const VALUES: [&str; 37] = [
     "0",
     "-0.0",
     "-1",
@@ -53,12 +53,7 @@ const VALUES: [&str; 42] = [
     "{ from = 1e-300, to = 1e300, points = 1000, scale = \"log\" }",
     "{ from = 1.0, to = 1.0, points = 2 }",
     "{ preload = 0.1 }",
-    "{ between = [0.1, 0.3] }",
-    "{ between = [-1e308, 1e308] }",
-    "{ between = [] }",
-    "{ one_of = [0.1, \"normal\", []] }",
-    "{ preload = { between = [0.1, 0.2] }, static_friction = { one_of = [0.1, 0.2] } }",
-    "{ between = { between = [0.1, 0.2] } }",
+    "{ preload = { between = [0.1, 0.2] }, static_friction = [0.1, \"normal\", []] }",
     "1,5",
     "'''",
 ];
@@ -103,10 +98,6 @@ fn read(path: &Path, text: &str) {
                 let message = failure.to_string();
                 assert!(message.len() < 500_000, "a message of {} bytes", message.len());
             }
-        }
-        if source.is_imprecise() {
-            let message = source.imprecise_job().map_or_else(|failure| failure.to_string(), |_| String::new());
-            assert!(message.len() < 500_000, "a message of {} bytes", message.len());
         }
         source.with(Overrides { seed: Some(1), samples: Some(2) }).map(|source| source.text.len()).unwrap_or_default()
     });

@@ -11,7 +11,6 @@ use serde::{Deserialize, Deserializer, Serialize};
 use toml::Spanned;
 
 use super::distribution_spec::DistributionSpec;
-use super::imprecise_schema::number_or_imprecise;
 
 /// Relative standard deviation at most, for the widest distributions.
 pub const LARGEST_STD: f64 = 10.0;
@@ -46,7 +45,7 @@ pub struct RandomSpec {
 
 /// The JSON schema of correlated pairs.
 fn pairs_schema(_: &mut SchemaGenerator) -> Schema {
-    let coefficient = number_or_imprecise(&serde_json::json!({ "type": "number" }));
+    let coefficient = serde_json::json!({ "type": "number" });
     let input = serde_json::json!({ "type": "string" });
     let pair = serde_json::json!({ "type": "array", "prefixItems": [input, input, coefficient], "minItems": 3, "maxItems": 3 });
     json_schema!({ "type": ["array", "null"], "items": pair })
@@ -141,13 +140,11 @@ impl JsonSchema for RelativeStdSpec {
     fn json_schema(_: &mut SchemaGenerator) -> Schema {
         let number = serde_json::json!({ "type": "number", "minimum": 0, "maximum": LARGEST_STD });
         let table = serde_json::json!({ "type": "object", "additionalProperties": number });
-        let value = number_or_imprecise(&number);
-        let inputs = serde_json::json!({ "not": { "enum": ["between", "one_of"] } });
         json_schema!({
             "description": "A number, a table by input, or a list of these.",
             "anyOf": [
-                value,
-                { "type": "object", "additionalProperties": value, "propertyNames": inputs },
+                number,
+                table,
                 { "type": "array", "items": { "anyOf": [number, table] }, "minItems": 1 },
             ]
         })

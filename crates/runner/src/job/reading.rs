@@ -93,8 +93,8 @@ pub fn read<T: DeserializeOwned>(
 }
 
 /// Writes axes in tables of their own, `[axes.pad] mass = 0.1`, under their whole names, `axes."pad.mass"`.
-pub fn flatten_axes(document: &mut Spanned<DeTable<'_>>) {
-    const OF_A_VALUE: [&str; 6] = ["from", "to", "points", "scale", "between", "one_of"];
+fn flatten_axes(document: &mut Spanned<DeTable<'_>>) {
+    const OF_A_VALUE: [&str; 4] = ["from", "to", "points", "scale"];
     let axes = document.get_mut().iter_mut().find(|(key, _)| key.get_ref() == "axes");
     let Some(DeValue::Table(axes)) = axes.map(|(_, value)| value.get_mut()) else { return };
     let is_section = |value: &DeValue<'_>| match value {

@@ -7,8 +7,6 @@ use stickslip_sampler::inputs::Marginal;
 use toml_edit::{DocumentMut, Item, TableLike, Value};
 
 use super::diagnosis::Complaints;
-use super::imprecise::{self, ImpreciseJob};
-use super::imprecise_values::find;
 use super::models;
 use super::reading;
 use super::validated::Job;
@@ -124,17 +122,11 @@ impl JobSource {
     pub fn job(&self) -> Result<Job, Failure> {
         let mut complaints = Complaints::default();
         let folder = self.path.parent().unwrap_or(Path::new(""));
-        let document = reading::parse(&self.text, &mut complaints).map(|mut document| {
-            imprecise::refuse(&mut document, &self.text, &mut complaints);
-            document
-        });
-        let before = complaints.len();
-        let job = document.and_then(|document| {
+        let job = reading::parse(&self.text, &mut complaints).and_then(|document| {
             let draft = models::draft(&self.text, &document, &mut complaints);
             let spec = reading::job_spec(&self.text, document, models::suggested, &mut complaints);
             validate(&spec?, draft?, folder, &mut complaints)
         });
-        let job = job.filter(|_| before == 0);
         job.ok_or_else(|| self.refused(complaints))
     }
 
@@ -145,28 +137,10 @@ impl JobSource {
         if complaints.len() == 0 { Ok(()) } else { Err(self.refused(complaints)) }
     }
 
-    /// Reads and checks a spec whose inputs may be imprecise.
-    ///
-    /// # Errors
-    /// Everything that is wrong with it, in the order of the text.
-    pub fn imprecise_job(&self) -> Result<ImpreciseJob, Failure> {
-        let mut complaints = Complaints::default();
-        let folder = self.path.parent().unwrap_or(Path::new(""));
-        let job = ImpreciseJob::read(&self.text, folder, &mut complaints);
-        job.ok_or_else(|| self.refused(complaints))
-    }
-
     /// Everything that is wrong with it.
     fn refused(&self, complaints: Complaints) -> Failure {
         let place = complaints.place(&self.path, &self.text, |span| reading::key_at(&self.text, span));
         Failure::Job(complaints.render(&self.path, &self.text)).coded(Code::JobSpec).at(place)
-    }
-
-    /// Whether anything of the spec is written as an imprecise value.
-    pub fn is_imprecise(&self) -> bool {
-        let mut complaints = Complaints::default();
-        let document = reading::parse(&self.text, &mut complaints);
-        document.is_some_and(|mut document| !find(&mut document, &self.text, &mut complaints).is_empty())
     }
 
     /// The spec as a run keeps it: measured values stand in it, in place of the file that they were read from.

@@ -74,10 +74,6 @@ impl ClosedForm for OnBelt {
         self.pad.closed_form().map_or(NEVER, ClosedForm::boundary)
     }
 
-    fn is_always_unstable_above(&self) -> bool {
-        self.pad.closed_form().is_some_and(ClosedForm::is_always_unstable_above)
-    }
-
     fn boundary_of(&self, values: &[f64]) -> Option<PairBoundary> {
         self.pad.closed_form()?.boundary_of(&self.values(values).collect::<Vec<_>>())
     }

@@ -1,6 +1,5 @@
 //! The friction oscillator on a belt in job specs.
 
-use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -382,10 +381,6 @@ impl Draft for BeltDraft {
     fn boundary(&self) -> Option<Boundary> {
         let of = |kind| if kind == BeltKind::Eigenvalue { Boundary::ClosedForm } else { Boundary::Verdicts };
         self.kind().map(of)
-    }
-
-    fn criterion_span(&self) -> Option<Range<usize>> {
-        self.spec()?.kind.as_ref().map(Spanned::span)
     }
 
     fn outside_physics(&self) -> Option<&Spanned<OutsidePhysics>> {

@@ -292,11 +292,6 @@ impl ClosedForm for PadConfiguration {
         }
     }
 
-    fn is_always_unstable_above(&self) -> bool {
-        // A measured curve may fall only because it is shifted.
-        self.brake.parameters().friction.law.table().is_none()
-    }
-
     fn boundary_of(&self, values: &[f64]) -> Option<PairBoundary> {
         match self.own_brake(values) {
             None => Some(self.boundary()),

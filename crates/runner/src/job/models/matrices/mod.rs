@@ -1,6 +1,5 @@
 //! Models given by matrices in job specs.
 
-use std::ops::Range;
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
 
@@ -138,10 +137,6 @@ impl Draft for MatrixDraft {
 
     fn boundary(&self) -> Option<Boundary> {
         Some(Boundary::CriticalValues)
-    }
-
-    fn criterion_span(&self) -> Option<Range<usize>> {
-        self.spec()?.kind.as_ref().map(Spanned::span)
     }
 
     fn outside_physics(&self) -> Option<&Spanned<OutsidePhysics>> {

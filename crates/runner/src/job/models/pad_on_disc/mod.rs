@@ -1,6 +1,5 @@
 //! The pad on the disc in job specs: parameters of the preset and overrides, the friction law, three criteria.
 
-use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -119,10 +118,6 @@ impl Draft for PadDraft {
     fn boundary(&self) -> Option<Boundary> {
         let of = |kind| if kind == CriterionKind::Eigenvalue { Boundary::ClosedForm } else { Boundary::Verdicts };
         self.kind().map(of)
-    }
-
-    fn criterion_span(&self) -> Option<Range<usize>> {
-        self.criterion_spec()?.kind.as_ref().map(Spanned::span)
     }
 
     fn outside_physics(&self) -> Option<&Spanned<OutsidePhysics>> {

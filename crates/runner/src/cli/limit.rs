@@ -1,4 +1,4 @@
-//! Arguments of the commands that answer how large and how sure: `limit` and `bounds`.
+//! Arguments of `limit`.
 
 use std::path::PathBuf;
 
@@ -22,22 +22,6 @@ pub struct LimitArguments {
     #[arg(long = "probability", value_name = "P", value_parser = probability, allow_negative_numbers = true)]
     pub probabilities: Vec<f64>,
     /// Write one row for each limit to a Parquet file
-    #[arg(long, value_name = "FILE.parquet", value_parser = parquet_file)]
-    pub out: Option<PathBuf>,
-    /// Print JSON
-    #[arg(long)]
-    pub json: bool,
-    #[command(flatten)]
-    pub threads: ThreadsArgument,
-}
-
-/// Arguments of `bounds`.
-#[derive(Debug, Args)]
-pub struct BoundsArguments {
-    /// The job spec, with values that are { between = [LOW, HIGH] } or { one_of = [A, B] }; - reads it from standard input
-    #[arg(value_name = "JOB.toml")]
-    pub job: PathBuf,
-    /// Write one row for each cell to a Parquet file
     #[arg(long, value_name = "FILE.parquet", value_parser = parquet_file)]
     pub out: Option<PathBuf>,
     /// Print JSON
