@@ -12,7 +12,7 @@ MDBOOK = $(MDBOOK_ROOT)/bin/mdbook
 # What `make check` does.
 CHECKS = check-format check-dependencies check-lints check-documentation check-packages check-stages
 
-.PHONY: run test quick test-optimisation test-faults test-slurm test-parallel program check $(CHECKS) packages docs docs-pictures wheel dist local test-python test-dist test-release test-reproducible test-aarch64 install uninstall bench bench-cluster bench-peers validity coverage clean
+.PHONY: run test quick test-optimisation test-faults test-slurm test-parallel program check $(CHECKS) packages docs docs-pictures wheel dist local test-python test-dist test-release test-reproducible test-aarch64 install uninstall bench bench-peers validity coverage clean
 .DEFAULT_GOAL := run
 # Targets share folders, and cargo uses all processors anyway.
 .NOTPARALLEL:
@@ -252,11 +252,6 @@ bench:
 	$(CARGO) bench --locked -p stickslip --bench figures --bench methods --bench inputs
 	$(CARGO) build --locked --release
 	$(PYTHON) -B benches/signals.py $(STICKSLIP)
-
-# The table of docs/cluster-costs.md: predicted and measured times of shards and merge, and the memory of the merge.
-bench-cluster:
-	$(CARGO) build --locked --release
-	$(PYTHON) benches/cluster.py $(STICKSLIP)
 
 # The tables of the range of validity (docs of `stickslip_core::models::pad_on_disc::criterion::validity`): verdicts against references, case by case.
 validity:

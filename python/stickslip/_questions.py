@@ -31,13 +31,8 @@ Tests = Union[
 Estimate = Literal["static_friction", "preload_factor", "std.preload", "std.static_friction", "correlation"]
 
 
-def check(job: Job, *, threads: int | None = None, nodes: int | None = None) -> dict[str, Any]:
+def check(job: Job, *, threads: int | None = None) -> dict[str, Any]:
     """Validate a job, and predict what it will cost. The cost is measured, which takes up to three seconds.
-
-    Parameters
-    ----------
-    nodes
-        Also predict what the job takes on so many machines.
 
     Returns
     -------
@@ -51,8 +46,7 @@ def check(job: Job, *, threads: int | None = None, nodes: int | None = None) -> 
         If the job is not valid. The message has all errors.
     """
     argument, stdin = as_argument(job)
-    options = [*threads_option(threads), *([] if nodes is None else [f"--nodes={whole(nodes, 'nodes')}"])]
-    answer: dict[str, Any] = call_json(["check", argument, *options], stdin=stdin)
+    answer: dict[str, Any] = call_json(["check", argument, *threads_option(threads)], stdin=stdin)
     return answer
 
 

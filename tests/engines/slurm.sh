@@ -70,11 +70,10 @@ wait_for "first node" is_up n1
 wait_for "second node" is_up n2
 say "a controller and two nodes are up"
 
-# Job numbers that submitting a run has printed, the array first.
+# submit RUN JOB SHARDS OPTION...: the numbers of the jobs, the array first, but for that of a map.
 submit() {
-    local run=$1
-    shift
-    "$program" submit "$place/$1.toml" --out "$place/$run" --engine slurm --partition main "${@:2}" 2>>"$place/submit.log"
+    "$program" submit "$place/$2.toml" --out "$place/$1" --engine slurm --shards "$3" -- --partition=main "${@:4}" \
+        2>>"$place/submit.log"
 }
 restarts() { scontrol show job "$1" | sed -n 's/.* Restarts=\([0-9]*\).*/\1/p' | paste -sd + | bc; }
 is_running() { [ -n "$(squeue --noheader --states=R --jobs="$1" 2>/dev/null)" ]; }
@@ -119,15 +118,15 @@ search_job boundary '{ from = 12.0, to = 18.0, points = 24 }' '[0.38, 0.40]' '"p
 searches="importance subset boundary"
 
 # The task reaches its time limit: Slurm warns half a minute and more before it.
-read -r limited _ < <(submit limited long --shards 1 --time 1 --sbatch=--signal=B:USR1@50 --sbatch=--exclude=n1)
+read -r limited _ < <(submit limited long 1 --time=1 --signal=B:USR1@50 --exclude=n1)
 "$program" submit "$place/short.toml" --out "$place/whole-short" >/dev/null 2>&1 &
 reference=$!
 
-read -r lost _ < <(submit lost short --shards 8)
+read -r lost _ < <(submit lost short 8)
 wait_for "tasks on n1" running_on n1 "$lost"
 sleep 1
 lose_n1
-say "n1 is lost with its tasks; $("$program" status "$place/lost" | grep "^shards")"
+say "n1 is lost with its tasks; $("$program" status "$place/lost" | head -n 1)"
 wait_for "surface after the loss of a node" is_written lost
 wait "$reference"
 same "$place/lost" "$place/whole-short"
@@ -138,7 +137,7 @@ say "a node was lost: $(restarts "$lost") restarts, the surface is that of a sin
 reference=$!
 start_node n1
 wait_for "two nodes" is_up n1
-read -r twice _ < <(submit twice short --shards 8)
+read -r twice _ < <(submit twice short 8)
 wait_for "tasks on n1" running_on n1 "$twice"
 sleep 1
 kill -KILL "$(cat "$place/slurmd.n1.daemon")"
@@ -157,11 +156,11 @@ start_node n1
 wait_for "two nodes" is_up n1
 tasks=
 for name in $searches; do
-    read -r task _ < <(submit "lost-$name" "$name" --shards 2 --sbatch=--nodelist=n1)
+    read -r task _ < <(submit "lost-$name" "$name" 2 --nodelist=n1)
     tasks+=${tasks:+,}$task
 done
 # What Slurm sends before a time limit.
-read -r warned _ < <(submit warned importance --shards 1 --sbatch=--exclude=n1)
+read -r warned _ < <(submit warned importance 1 --exclude=n1)
 wait_for "searches on n1" running_on n1 "$tasks"
 wait_for "search on n2" is_running "$warned"
 sleep 4

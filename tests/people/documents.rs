@@ -468,6 +468,11 @@ fn every_link_leads_somewhere_and_every_page_is_linked() {
         }
     }
     assert!(count >= 60, "only {count} links");
+    let architecture = read("ARCHITECTURE.md");
+    let named = architecture.split('`').skip(1).step_by(2).filter(|text| text.starts_with("tests/"));
+    for path in named {
+        assert!(repository().join(path).exists(), "ARCHITECTURE.md: there is no {path}");
+    }
     for page in pages() {
         assert!(linked.contains(&page), "no page links to {page}");
     }

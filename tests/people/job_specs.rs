@@ -237,16 +237,6 @@ fn implausible_values_are_warned_of_with_the_likely_unit() {
 }
 
 #[test]
-fn more_shards_than_work_are_warned_of() {
-    let place = Place::new();
-    place.write("job.toml", &surface_job("job", 2, 100, 7));
-    let said = place.run("submit job.toml --shard 1/100000 --out many").done().stderr;
-    let warning = "warning: --shard 1/100000: the job has only 4 units of work to share, so that 99,996 shards have nothing to compute";
-    assert!(said.contains(warning), "{said}");
-    assert!(!place.run("submit job.toml --shard 1/4 --out few").done().stderr.contains("warning"));
-}
-
-#[test]
 fn what_the_command_line_cannot_mean_is_refused() {
     let place = Place::new();
     place.write("job.toml", &surface_job("job", 2, 100, 7));

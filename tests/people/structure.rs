@@ -57,6 +57,7 @@ fn add_paths(code: TokenStream, start: &[String], paths: &mut BTreeSet<Words>) {
         let goes_on = std::mem::take(&mut is_joined);
         match token {
             TokenTree::Ident(word) if goes_on => path.push(word.to_string()),
+            TokenTree::Punct(mark) if goes_on && mark.as_char() == '*' => path.push("*".to_owned()),
             TokenTree::Group(group) if goes_on && group.delimiter() == Delimiter::Brace => {
                 add_paths(group.stream(), &std::mem::take(&mut path), paths);
             }
@@ -94,13 +95,15 @@ fn add_paths(code: TokenStream, start: &[String], paths: &mut BTreeSet<Words>) {
 }
 
 /// A path from the root of the crate, if it leads into it.
-fn resolved(module: &[String], path: &[String]) -> Option<Words> {
+fn resolved(place: &[String], module: &Module, path: &[String]) -> Option<Words> {
     let ups = path.iter().take_while(|word| *word == "super").count();
     match path.first()?.as_str() {
+        // `pub(super)`, for example.
         _ if path.len() == 1 => None,
         "crate" => Some(path[1..].to_vec()),
-        "self" => Some([module, &path[1..]].concat()),
-        _ if ups > 0 => Some([&module[..module.len().checked_sub(ups)?], &path[ups..]].concat()),
+        "self" => Some([place, &path[1..]].concat()),
+        _ if ups > 0 => Some([&place[..place.len().checked_sub(ups)?], &path[ups..]].concat()),
+        first if module.children.iter().any(|child| child == first) => Some([place, path].concat()),
         _ => None,
     }
 }
@@ -113,7 +116,7 @@ fn against_the_order(sources: &Path, root: &str) -> Vec<String> {
         |path: &[String]| (0..=path.len()).rev().find(|length| modules.contains_key(&path[..*length])).unwrap();
     let mut complaints = BTreeSet::new();
     for (from, module) in &modules {
-        for path in module.paths.iter().filter_map(|path| resolved(from, path)) {
+        for path in module.paths.iter().filter_map(|path| resolved(from, module, path)) {
             let to = &path[..target(&path)];
             let common = from.iter().zip(to).take_while(|(a, b)| a == b).count();
             if common == from.len() {
@@ -123,7 +126,7 @@ fn against_the_order(sources: &Path, root: &str) -> Vec<String> {
             let is_later = if common == to.len() {
                 // It imports what it lies in, which must not import what lies in it.
                 let leads_inside = |path: Words| path.starts_with(to) && target(&path) > to.len();
-                of.paths.iter().filter_map(|path| resolved(to, path)).any(leads_inside)
+                of.paths.iter().filter_map(|path| resolved(to, of, path)).any(leads_inside)
             } else {
                 let place = |name| of.children.iter().position(|child| child == name);
                 place(&to[common]) > place(&from[common])
@@ -163,7 +166,7 @@ fn a_circle_is_found() {
         let write = |name: &str, text: &str| fs::write(place.path().join(name), text).unwrap();
         write("lib.rs", "pub mod first;\npub mod second;\n");
         write("first.rs", first);
-        write("second.rs", "use crate::first::A;\nuse self::third::C;\npub struct B;\nmod third;\n");
+        write("second.rs", "use crate::first::A;\nfn f() { third::g(); }\npub struct B;\nmod third;\n");
         fs::create_dir_all(place.path().join("second")).unwrap();
         write("second/third.rs", inside);
         against_the_order(place.path(), "lib.rs")
@@ -178,19 +181,21 @@ fn a_circle_is_found() {
     ] {
         assert_eq!(complaints(back, ""), ["first imports second"], "{back}");
     }
-    assert_eq!(complaints(sound, "use super::B;"), ["second::third imports second"]);
+    for back in ["use super::B;", "use super::*;", "fn g() { super::B; }"] {
+        assert_eq!(complaints(sound, back), ["second::third imports second"], "{back}");
+    }
 }
 
 #[test]
 fn only_modules_about_a_model_know_one() {
-    for (name, root) in &CRATES[1..] {
+    for (name, root) in CRATES {
         let mut modules = Modules::new();
         read(&mut modules, &sources(name).join(root), &sources(name), Vec::new());
         assert!(modules.len() > 40, "{name}: only {} modules", modules.len());
         for (place, module) in modules {
             let path = place.join("::");
             let is_about = |own: &str| path == own || path.starts_with(&format!("{own}::"));
-            if *name != "runner" || !ABOUT_A_MODEL.split(' ').any(is_about) {
+            if name == "sampler" || name == "runner" && !ABOUT_A_MODEL.split(' ').any(is_about) {
                 assert_eq!(of_models(&module.paths), [""; 0], "{name}: {path}");
             }
         }

@@ -1,4 +1,4 @@
-//! Large jobs: the memory that their cells take, and what many shards of them are predicted to cost.
+//! Large jobs: the memory that their cells take, and what they are predicted to cost.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on should say so and stop")]
 
@@ -43,62 +43,6 @@ fn too_little_memory_is_an_error_that_keeps_what_is_finished() {
         "{message}"
     );
     assert!(place.run("status run").done().stdout.contains("1000 of 1000000 cells"));
-}
-
-#[test]
-fn check_predicts_the_times_of_shards_and_merge() {
-    let place = Place::new();
-    place.write("job.toml", &surface_job("job", 20, 3000, 1));
-    let checked = place.run("check job.toml --nodes 4 --threads 2 --json").done();
-    let printed: Value = serde_json::from_str(&checked.stdout).unwrap();
-    assert_eq!((&printed["cells"], &printed["samples_at_most"]), (&Value::from(400), &Value::from(1_200_000)));
-    let cluster = &printed["cluster"];
-    assert_eq!((&cluster["nodes"], &cluster["threads"]), (&Value::from(4), &Value::from(2)));
-    for step in ["sample", "start", "piece_written", "piece_read", "row"] {
-        assert!(cluster["seconds"][step].as_f64().unwrap() > 0.0, "{step}: {cluster:#}");
-    }
-    let shards = cluster["shards"].as_array().unwrap();
-    assert_eq!(shards.iter().map(|cost| cost["shards"].as_u64().unwrap()).collect::<Vec<_>>(), [1, 10, 100, 1000]);
-    for cost in shards {
-        let [all, merge, total] = ["all", "merge", "total"].map(|key| cost[key].as_f64().unwrap());
-        assert!((all + merge - total).abs() < 1e-9 * total, "{cost:#}");
-        assert!((0.0..1.0).contains(&cost["efficiency"].as_f64().unwrap()), "{cost:#}");
-    }
-    // Little work makes one shard, or one for each node where that is clearly quicker.
-    let best = &cluster["best"];
-    assert!(best["shards"] == 1 || best["shards"] == 4, "{cluster:#}");
-    for cost in shards {
-        assert!(best["total"].as_f64().unwrap() <= 1.05 * cost["total"].as_f64().unwrap(), "{cluster:#}");
-    }
-
-    // The page names every key.
-    let page = include_str!("../../docs/cluster-costs.md");
-    let described = page.split("\n## ").find(|section| section.starts_with("As JSON")).unwrap();
-    for object in [&printed, cluster, &cluster["seconds"], &cluster["load"], best] {
-        for key in object.as_object().unwrap().keys() {
-            assert!(described.contains(&format!("`{key}`")), "`{key}` is not in the page");
-        }
-    }
-
-    let text = place.run("check job.toml --nodes 4 --threads 2").done().stdout;
-    for part in ["\n# on 4 nodes with 2 threads each, in ", "\n#     1000  ", "merge"] {
-        assert!(text.contains(part), "{part:?} is not in {text}");
-    }
-    assert!(!place.run("check job.toml").done().stdout.contains("nodes"));
-    for nodes in ["0", "100001"] {
-        place.run(&format!("check job.toml --nodes {nodes}")).refused(64, &["--nodes", "1..=100000"]);
-    }
-}
-
-#[test]
-fn integrals_are_not_shared_among_nodes() {
-    let place = Place::new();
-    let job = surface_job("job", 3, 10, 1).replace("samples = 10", "method = \"exact\"");
-    place.write("job.toml", &job);
-    let text = place.run("check job.toml --nodes 4").done().stdout;
-    assert!(text.contains("method = \"exact\" draws no samples that nodes could share"), "{text}");
-    let printed: Value = serde_json::from_str(&place.run("check job.toml --nodes 4 --json").done().stdout).unwrap();
-    assert!(printed["cluster"].is_null() && printed["load"].is_null(), "{printed:#}");
 }
 
 /// A job that is simulated and stops by precision is tried in two ways, one after the other.

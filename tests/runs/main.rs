@@ -11,4 +11,3 @@ mod remedies;
 mod run_directory;
 mod signals;
 mod versions;
-mod watch;

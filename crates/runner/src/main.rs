@@ -49,8 +49,6 @@ mod report;
 
 mod export;
 
-mod cluster;
-
 mod target;
 
 mod cli;
@@ -117,7 +115,7 @@ fn dispatch(command: Command, interrupt: &Interrupt) -> Result<(), Failure> {
         }
         Command::Submit(arguments) => commands::submit(&arguments, interrupt),
         Command::Resume(arguments) => commands::resume(&arguments, interrupt),
-        Command::Status(arguments) => commands::status(&arguments, interrupt),
+        Command::Status(arguments) => commands::status(&arguments),
         Command::Check(arguments) => commands::check(&arguments),
         Command::Parameters(arguments) => commands::parameters(&arguments),
         Command::Analyse(arguments) => commands::analyse(&arguments),

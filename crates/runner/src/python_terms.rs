@@ -5,16 +5,15 @@ use std::fmt::Write as _;
 
 /// The commands that are methods of a run, and those that are functions. The others exist at the command line alone.
 const METHODS: [&str; 6] = ["resume", "verify", "plot", "report", "export", "status"];
-const FUNCTIONS: [&str; 7] = ["check", "limit", "bounds", "compare", "fit", "analyse", "trajectory"];
+const FUNCTIONS: [&str; 6] = ["check", "limit", "compare", "fit", "analyse", "trajectory"];
 
 /// The options that are arguments of the same name, but for their dashes.
-const ARGUMENTS: [&str; 31] = [
+const ARGUMENTS: [&str; 30] = [
     "out",
     "overwrite",
     "samples",
     "seed",
     "threads",
-    "nodes",
     "cell",
     "sample",
     "of",
@@ -126,7 +125,7 @@ mod tests {
         for (text, wanted) in [
             ("continue it with `stickslip resume runs/a`", "continue it with `stickslip.Run('runs/a').resume()`"),
             ("`stickslip verify 'a b'` writes it", "`stickslip.Run('a b').verify()` writes it"),
-            ("`stickslip bounds` finds it", "`stickslip.bounds(...)` finds it"),
+            ("`stickslip limit` finds it", "`stickslip.limit(...)` finds it"),
             (
                 "Use --samples 1000, or choose another directory with --out",
                 "Use samples=1000, or choose another directory with out=",
@@ -136,7 +135,7 @@ mod tests {
             ("--cell 9: the run has cells 0 to 3", "cell=9: the run has cells 0 to 3"),
             ("a value '0' for '--threads <N>': no", "a value '0' for 'threads': no"),
             ("--set pad.mass: no", "pad.mass: no"),
-            ("give --sbatch=--constraint=a", "give --sbatch=--constraint=a"),
+            ("give --engine=slurm", "give --engine=slurm"),
             ("`stickslip merge a` writes it", "`stickslip merge a` writes it"),
             ("a file --- of none", "a file --- of none"),
             ("a `b` c `", "a `b` c `"),

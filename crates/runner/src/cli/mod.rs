@@ -21,7 +21,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
 
-pub use self::engine::{EngineArguments, EngineKind, ListFormat, ShardArgument};
+pub use self::engine::{EngineArguments, EngineKind};
 pub use self::limit::LimitArguments;
 pub use self::pad_on_disc::{
     AllotmentArgument, AnalyseArguments, BrakeArguments, DiscArgument, EstimateArgument, FitArguments, MotionArguments,
@@ -33,8 +33,8 @@ pub use self::start::StartArgument;
 pub use self::threads::ThreadsArgument;
 use self::values::{html_file, parquet_file, probability, seed, whole_number};
 use crate::export::format::Format;
-use crate::job::MOST_SHARDS;
 use crate::messages::Form;
+use crate::schedule::plan::Shard;
 use crate::target::Target;
 use crate::version;
 
@@ -141,10 +141,9 @@ pub struct SubmitArguments {
     /// Say first up to which values the probability is below this one, in place of the job's target
     #[arg(long, value_name = "P", value_parser = probability, allow_negative_numbers = true)]
     pub target: Option<f64>,
-    /// Compute only one of N shards, to be merged later; I counts from 1 to N or from 0 to N-1. slurm takes both from the
-    /// environment of a task of a job array
-    #[arg(long, value_name = "I/N|slurm")]
-    pub shard: Option<ShardArgument>,
+    /// Compute only one of N shards, to be merged later; I counts from 1 to N or from 0 to N-1
+    #[arg(long, value_name = "I/N")]
+    pub shard: Option<Shard>,
     /// Resolve the verdict map, or the share of the shard in it, and compute no samples yet
     #[arg(long)]
     pub map_only: bool,
@@ -180,18 +179,6 @@ pub struct StatusArguments {
     /// The run directory, or a folder of run directories
     #[arg(value_name = "DIR", default_value = "runs")]
     pub run: PathBuf,
-    /// Show the progress of one run every second, until it ends
-    #[arg(long, conflicts_with = "json")]
-    pub watch: bool,
-    /// The number of shards that the run is computed in [default: what submit --engine noted]; each has a bar with --watch
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=MOST_SHARDS))]
-    pub shards: Option<u64>,
-    /// List the shards that are neither done nor at work
-    #[arg(long, conflicts_with_all = ["json", "watch"])]
-    pub missing: bool,
-    /// How to list them
-    #[arg(long, value_enum, default_value_t = ListFormat::Lines, requires = "missing")]
-    pub format: ListFormat,
     /// Print JSON
     #[arg(long)]
     pub json: bool,
@@ -205,9 +192,6 @@ pub struct CheckArguments {
     pub job: PathBuf,
     #[command(flatten)]
     pub threads: ThreadsArgument,
-    /// Predict the times of shards and merge on so many machines, each with the threads of --threads
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
-    pub nodes: Option<u32>,
     /// Also print the job with every key, those of defaults too, as a job that can be submitted
     #[arg(long, conflicts_with = "json")]
     pub all: bool,

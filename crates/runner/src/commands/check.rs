@@ -7,14 +7,11 @@ use serde_json::{Value, json};
 use stickslip_core::model::quantity::{Quantity, Role};
 use stickslip_sampler::draw::identity::BLOCK_SAMPLES;
 
-use super::cluster_prediction::ClusterPrediction;
 use crate::cli::CheckArguments;
 use crate::evaluate::evaluator::Evaluator;
-use crate::evaluate::parts::Parts;
 use crate::failure::Failure;
 use crate::job::{Job, JobSource};
 use crate::output::{counted, rate, result, shown, warn};
-use crate::schedule::cluster_cost::{Load, Nodes};
 use crate::schedule::engine::Engine;
 use crate::schedule::time_left::Prediction;
 use crate::schedule::trial::{SampleTrial, UntilStop};
@@ -23,11 +20,8 @@ use crate::schedule::trial::{SampleTrial, UntilStop};
 struct Cost {
     /// What it is, as comments.
     text: String,
-    /// Seconds that a sample takes on one thread, and the relative standard error.
-    sample: f64,
-    error: f64,
-    /// What shards would have to do; `None` if no samples are drawn.
-    load: Option<Load>,
+    /// Seconds that a sample takes on one thread, and the relative standard error; `None` if no samples are drawn.
+    of_a_sample: Option<[f64; 2]>,
 }
 
 /// `stickslip check`.
@@ -35,12 +29,9 @@ pub fn check(arguments: &CheckArguments) -> Result<(), Failure> {
     let begun = Instant::now();
     let source = JobSource::read(&arguments.job)?;
     let job = source.job()?;
-    source.require_options_for_jobs(&job)?;
     warn(job.warnings());
     let threads = arguments.threads.count();
-    // The threads of other machines cannot be tried on fewer processors.
-    let here = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
-    let engine = Engine::new(if arguments.nodes.is_some() { threads.min(here) } else { threads })?;
+    let engine = Engine::new(threads)?;
     let mut evaluator = Evaluator::new(&job)?;
     let cost = match (job.uses_maps(), job.draws_samples()) {
         (true, _) => cost_of_maps(&mut evaluator, &engine, threads, begun)?,
@@ -50,42 +41,22 @@ pub fn check(arguments: &CheckArguments) -> Result<(), Failure> {
                 None => "the boundary is known in closed form".to_owned(),
             };
             let text = format!("# no samples: {how}\n");
-            Cost { text, sample: 0.0, error: 0.0, load: None }
+            Cost { text, of_a_sample: None }
         }
         (false, true) => {
             let trial = engine.try_samples(&evaluator, begun)?;
-            let load = load_of(&job, evaluator.parts(), &trial);
-            Cost {
-                text: cost_of_samples(&job, &trial, threads),
-                sample: trial.cost,
-                error: trial.error,
-                load: Some(load),
-            }
+            Cost { text: cost_of_samples(&job, &trial, threads), of_a_sample: Some([trial.cost, trial.error]) }
         }
-    };
-    let prediction = match (arguments.nodes, &cost.load) {
-        (Some(nodes), Some(load)) => {
-            let on = Nodes { nodes: nodes.into(), threads: threads as u64 };
-            Some(ClusterPrediction::for_job(&job, evaluator.parts(), *load, cost.sample, cost.error, on)?)
-        }
-        _ => None,
     };
     if arguments.json {
-        return result(&format!("{:#}\n", as_json(&job, threads, &cost, prediction.as_ref())));
+        return result(&format!("{:#}\n", as_json(&job, threads, &cost)));
     }
-    let cluster = match (arguments.nodes, &prediction) {
-        (None, _) => String::new(),
-        (Some(_), Some(prediction)) => prediction.text(),
-        (Some(_), None) => {
-            format!("# {} draws no samples that nodes could share; one node computes it\n", job.sampling.method.asked())
-        }
-    };
     let all = match arguments.all {
         true => format!("\n{}", job.normalised()),
         false => "# --all shows every key with its value, defaults too\n".to_owned(),
     };
     result(&format!(
-        "# {} is valid.\n# {}: {}\n{}{}{cluster}{all}",
+        "# {} is valid.\n# {}: {}\n{}{}{all}",
         shown(&source.path),
         counted(job.cells().into(), "cell", "cells"),
         axes(&job),
@@ -95,32 +66,16 @@ pub fn check(arguments: &CheckArguments) -> Result<(), Failure> {
 }
 
 /// Everything by name.
-fn as_json(job: &Job, threads: usize, cost: &Cost, prediction: Option<&ClusterPrediction>) -> Value {
+fn as_json(job: &Job, threads: usize, cost: &Cost) -> Value {
     json!({
         "name": job.name,
         "job": job.normalised(),
         "cells": job.cells(),
         "samples_at_most": u64::try_from(job.total_samples()).unwrap_or(u64::MAX),
         "threads": threads,
-        "load": cost.load,
-        "seconds_of_a_sample": cost.load.map(|_| cost.sample),
-        "relative_error": cost.load.map(|_| cost.error),
-        "cluster": prediction.map(ClusterPrediction::json),
+        "seconds_of_a_sample": cost.of_a_sample.map(|[seconds, _]| seconds),
+        "relative_error": cost.of_a_sample.map(|[_, error]| error),
     })
-}
-
-/// What the shards of a job without verdict maps have to do.
-fn load_of(job: &Job, parts: &Parts, trial: &SampleTrial) -> Load {
-    let cells = job.cells();
-    let units = u64::try_from(parts.all_units()).unwrap_or(u64::MAX);
-    match trial.until_stop {
-        None => Load { samples: job.total_samples() as f64, units, shared: units, cells, before: 0.0 },
-        Some(UntilStop { samples_by_cost, .. }) => {
-            let samples = samples_by_cost * cells as f64;
-            let units = ((samples / parts.unit_samples() as f64) as u64).clamp(cells, units.max(cells));
-            Load { samples, units, shared: cells, cells, before: 0.0 }
-        }
-    }
 }
 
 /// How many values each axis has, slowest first.
@@ -218,7 +173,7 @@ fn cost_of_maps(
     let audit = format!("{} for its audit, {audit_time}", counted(audit_samples, "simulation", "simulations"));
     if !job.draws_samples() {
         let text = format!("# no samples; {map}\n# {audit}\n");
-        return Ok(Cost { text, sample: samples.cost, error: samples.error, load: None });
+        return Ok(Cost { text, of_a_sample: None });
     }
     let each = cost_of_samples(job, &samples, threads);
     let is_given_up = evaluator.maps().are_too_costly(cost);
@@ -241,10 +196,5 @@ fn cost_of_maps(
         each.trim_start_matches("# "),
         counted(job.verdicts_of_samples(), "simulation", "simulations"),
     );
-    let mut load = load_of(job, evaluator.parts(), &samples);
-    if !is_given_up {
-        // Looking samples up takes little. Every node of the first round makes the map, or waits for it.
-        load = Load { samples: load.samples.min(audit_samples as f64), before: trial.seconds * share, ..load };
-    }
-    Ok(Cost { text, sample: samples.cost, error: samples.error.max(trial.error), load: Some(load) })
+    Ok(Cost { text, of_a_sample: Some([samples.cost, samples.error.max(trial.error)]) })
 }

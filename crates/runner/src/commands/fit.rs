@@ -181,7 +181,7 @@ fn new_text(
         counted(tests),
         rounded(100.0 * job.sampling.confidence)
     );
-    let text = fitted_job(job, &source.text, model, fit, &origin)
+    let text = fitted_job(job, model, fit, &origin)
         .ok_or_else(|| Failure::Internal("the job with the estimates is not representable".to_owned()))?;
     let path = arguments.out.clone().unwrap_or_default();
     let new = JobSource { path, text };

@@ -18,9 +18,8 @@ fn short(value: f64) -> f64 {
     rounded(value).parse().unwrap_or(value)
 }
 
-/// The text of `job` with the estimates in place, after comments that `origin` begins. `source` is its own text, of which
-/// the table `[engine]` is kept. `None` if it cannot be written as TOML.
-pub fn fitted_job(job: &Job, source: &str, model: &FitModel, fit: &Fit<'_>, origin: &str) -> Option<String> {
+/// The text of `job` with the estimates in place, after comments that `origin` begins; `None` if it cannot be written as TOML.
+pub fn fitted_job(job: &Job, model: &FitModel, fit: &Fit<'_>, origin: &str) -> Option<String> {
     let mut document: DocumentMut = job.normalised().parse().ok()?;
     let kept = job.name.len().min(LONGEST_NAME - SUFFIX.len());
     document["name"] = toml_edit::value(format!("{}{SUFFIX}", job.name.get(..kept)?));
@@ -56,9 +55,6 @@ pub fn fitted_job(job: &Job, source: &str, model: &FitModel, fit: &Fit<'_>, orig
         let mut pair = Array::from_iter([first, second]);
         pair.push(short(fit.values.correlation));
         document["random"]["correlation"] = Item::Value(Value::Array(Array::from_iter([pair])));
-    }
-    if let Some(engine) = source.parse::<DocumentMut>().ok().and_then(|mut own| own.remove("engine")) {
-        document["engine"] = engine;
     }
     let mut comments = origin.to_owned();
     for fitted in &fit.parameters {

@@ -4,17 +4,9 @@ mod shipped_jobs;
 
 mod init;
 
-mod shard_progress;
-
 mod run_progress;
 
-mod watch;
-
-mod sharing;
-
 mod status;
-
-mod cluster_prediction;
 
 mod kept_beside;
 
@@ -44,7 +36,8 @@ mod completion;
 
 mod submit;
 
-mod engines;
+mod clusters;
+
 mod verify;
 
 mod trajectory;
@@ -74,10 +67,10 @@ mod export;
 
 pub use analyse::analyse;
 pub use check::check;
+pub use clusters::submit_to_engine;
 pub use compare::compare;
 pub use completion::{FinishedRun, complete_run};
 pub use describe::{completions, man, schema};
-pub use engines::submit_to_engine;
 pub use export::export;
 pub use fit::fit;
 pub use init::init;

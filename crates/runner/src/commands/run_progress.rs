@@ -4,7 +4,6 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 
-use super::shard_progress::ShardProgress;
 use crate::evaluate::parts::Parts;
 use crate::evaluate::sums::Lookups;
 use crate::failure::Failure;
@@ -13,8 +12,6 @@ use crate::output::quoted;
 use crate::store::directory::RunDirectory;
 use crate::store::file_state::FileState;
 use crate::store::outdated::{line, outdated};
-use crate::store::sharing::Sharing;
-use crate::store::tally::Tally;
 use crate::tables::surface::Surface;
 
 /// How far a run is.
@@ -32,10 +29,6 @@ pub struct RunProgress {
     pub failed: u64,
     pub audited: u64,
     pub differed: u64,
-    /// The mean of the probabilities counted so far, and the number of cells that have one.
-    pub probability: Option<(f64, u64)>,
-    /// How far its shards are, if their number is known.
-    pub shards: Option<ShardProgress>,
     /// Reports and pictures of an earlier surface.
     pub outdated: Vec<String>,
 }
@@ -43,12 +36,7 @@ pub struct RunProgress {
 impl RunProgress {
     /// The progress of a run, from its directory alone.
     pub fn read(directory: &RunDirectory) -> Result<Self, Failure> {
-        let shards = Sharing::read(directory.path()).map(|sharing| sharing.shards);
-        Self::of_shards(directory, directory.job()?, shards)
-    }
-
-    /// The same where the job of the run has been read, computed in this many shards, if that is known.
-    pub fn of_shards(directory: &RunDirectory, job: Job, shards: Option<u64>) -> Result<Self, Failure> {
+        let job = directory.job()?;
         let tally = directory.tally(&job)?;
         let parts = Parts::new(&job);
         let in_use = directory.in_use();
@@ -73,10 +61,6 @@ impl RunProgress {
         };
         let Lookups { audited, differed, .. } = Surface::new(&job, &tally).lookups();
         Ok(Self {
-            probability: mean_probability(&job, &parts, &tally),
-            shards: shards
-                .filter(|_| job.draws_samples())
-                .map(|count| ShardProgress::new(directory.path(), &job, &parts, &tally, count)),
             undecided: (0..parts.count()).map(|part| tally.counts(part).undecided).sum(),
             failed: (0..parts.count()).map(|part| tally.counts(part).failed).sum(),
             job,
@@ -115,7 +99,6 @@ impl RunProgress {
             "samples_failed": self.failed,
             "samples_audited": self.audited,
             "samples_audit_differed": self.differed,
-            "shards": self.shards.as_ref().map(ShardProgress::json),
             "outdated": self.outdated,
             "surface": self.surface.as_ref().map(|surface| surface.display().to_string()),
             "job_hash": self.job.hash(),
@@ -125,13 +108,10 @@ impl RunProgress {
     /// In a line, with what to do next.
     pub fn text(&self, run: &Path) -> String {
         let next = match self.state {
-            "unfinished" => match self.shards.as_ref().and_then(|shards| shards.again(run)) {
-                Some(again) => format!(
-                    "\nunless they are still queued, submit the missing shards with `{again}` and the options of before; or continue here with `stickslip resume {}`",
-                    quoted(run)
-                ),
-                None => format!("\ncontinue with `stickslip resume {}`", quoted(run)),
-            },
+            "unfinished" => {
+                let queued = if run.join("slurm").is_dir() { "unless its tasks are still queued, " } else { "" };
+                format!("\n{queued}continue with `stickslip resume {}`", quoted(run))
+            }
             "surface damaged" => format!("\nwrite the surface again with `stickslip verify {}`", quoted(run)),
             "complete, not merged" => format!("\nwrite the surface with `stickslip merge {}`", quoted(run)),
             _ => String::new(),
@@ -145,10 +125,8 @@ impl RunProgress {
             remarks +=
                 &format!("; {differed} of {audited} audited samples differed: the verdict map is wrong somewhere");
         }
-        let shards = self.shards.as_ref().filter(|_| self.surface.is_none());
-        let shards = shards.map_or(String::new(), |shards| format!("\n{}", shards.text()));
         format!(
-            "{}: {}, {:.1} % ({} of {}{} samples, {} of {} cells complete){remarks}{shards}{next}\n{}",
+            "{}: {}, {:.1} % ({} of {}{} samples, {} of {} cells complete){remarks}{next}\n{}",
             self.job.name,
             self.state,
             self.percent(),
@@ -160,14 +138,4 @@ impl RunProgress {
             line(&self.outdated, run)
         )
     }
-}
-
-/// The mean over the cells that have a verdict.
-fn mean_probability(job: &Job, parts: &Parts, tally: &Tally) -> Option<(f64, u64)> {
-    let counts = (0..job.cells()).map(|cell| parts.counts(tally, cell));
-    let decided = counts.filter(|counts| counts.stable + counts.unstable > 0);
-    let (sum, cells) = decided.fold((0.0, 0), |(sum, cells), counts| {
-        (sum + counts.unstable as f64 / (counts.stable + counts.unstable) as f64, cells + 1)
-    });
-    (cells > 0).then(|| (sum / cells as f64, cells))
 }

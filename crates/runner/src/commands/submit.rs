@@ -8,29 +8,24 @@ use super::adoption::{RunState, adopt, adopt_as_shard, apart};
 use super::closing::report;
 use super::completion::{Work, complete_audits, compute, kept_and_continued, lost_tiles, map_only};
 use super::limit::{publish_limits, with_limits_of};
-use super::shard_progress::how_to_submit_missing;
-use super::sharing::require_samples_to_share;
-use crate::cli::{MergeArguments, ResumeArguments, ShardArgument, SubmitArguments};
-use crate::cluster::array_task::ArrayTask;
+use crate::cli::{MergeArguments, ResumeArguments, SubmitArguments};
 use crate::evaluate::parts::Parts;
 use crate::failure::{Advice, Failure};
 use crate::files::folder::Folder;
 use crate::interrupt::Interrupt;
 use crate::job::{Job, JobSource, Overrides};
 use crate::messages::Code;
-use crate::output::{FREE_SPACE, HumanCount128, announce, counted, note, quoted, warn};
+use crate::output::{FREE_SPACE, HumanCount128, announce, note, quoted, warn};
 use crate::schedule::engine::Engine;
-use crate::schedule::plan::{Plan, Shard};
 use crate::store::directory::RunDirectory;
 use crate::store::layout::{JOB, MAPS};
 use crate::store::lock::{AN_INSTANT, Access};
 use crate::store::provenance::Session;
-use crate::store::sharing::{self, AtWork, Sharing};
 use crate::tables::surface::Surface;
 
 /// `stickslip submit`.
 pub fn submit(arguments: &SubmitArguments, interrupt: &Interrupt) -> Result<(), Failure> {
-    let shard = arguments.shard.map(shard_of).transpose()?;
+    let shard = arguments.shard;
     let overrides = Overrides { seed: arguments.seed, samples: arguments.samples };
     let source = JobSource::read(&arguments.job)?.with(overrides)?;
     let job = source.job()?;
@@ -41,7 +36,6 @@ pub fn submit(arguments: &SubmitArguments, interrupt: &Interrupt) -> Result<(), 
     }
     if let Some(shard) = shard.filter(|_| !arguments.map_only) {
         require_samples_to_share(&job, &format!("--shard {shard}"))?;
-        warn(shards_beyond_work(shard, &job));
     }
     let maps = map_directories(&arguments.maps.maps, &job)?;
     let out = arguments.out.clone().unwrap_or_else(|| Path::new("runs").join(&job.name));
@@ -98,13 +92,6 @@ pub fn submit(arguments: &SubmitArguments, interrupt: &Interrupt) -> Result<(), 
             .remedied(resume))
         }
         RunState::Finished(tally) | RunState::Unfinished(tally) | RunState::New(tally) => {
-            if let (Some(ShardArgument::Slurm), Some(shard)) = (arguments.shard, shard) {
-                keep_number(shard, &directory)?;
-            }
-            let missing =
-                |shard: Shard| Plan::new(&tally, &Parts::new(&job), job.unit_samples(), Some(shard)).samples();
-            let begin = |shard: Shard| AtWork::begin(directory.path(), shard.number(), shard.count(), missing(shard));
-            let _at_work = shard.and_then(begin);
             let run = compute(directory, job, tally, &work, interrupt)?;
             match shard {
                 None => report(&run.directory, &run.job, &run.surface(), run.limits.as_ref()),
@@ -138,48 +125,15 @@ pub fn resume(arguments: &ResumeArguments, interrupt: &Interrupt) -> Result<(), 
     report(&run.directory, &run.job, &run.surface(), run.limits.as_ref())
 }
 
-/// The shard that an option names.
-fn shard_of(argument: ShardArgument) -> Result<Shard, Failure> {
-    match argument {
-        ShardArgument::Given(shard) => Ok(shard),
-        ShardArgument::Slurm => {
-            let task = ArrayTask::from_environment(|name| std::env::var(name).ok());
-            let task = task.map_err(|why| Failure::Usage(format!("--shard slurm: {why}")))?;
-            note(format_args!("--shard slurm: shard {}, from {}", task.shard, task.origin));
-            Ok(task.shard)
-        }
+/// Refuses to share a job that draws no samples.
+pub fn require_samples_to_share(job: &Job, option: &str) -> Result<(), Failure> {
+    if job.draws_samples() {
+        return Ok(());
     }
-}
-
-/// Notes the number of shards that the first task of a job array has found. An array with another number of tasks is
-/// one of some shards only.
-fn keep_number(shard: Shard, directory: &RunDirectory) -> Result<(), Failure> {
-    match Sharing::read(directory.path()) {
-        None => Sharing { engine: "slurm".to_owned(), shards: shard.count() }.record(directory.path()),
-        Some(Sharing { shards, .. }) if shards == shard.count() => Ok(()),
-        Some(Sharing { shards, .. }) => Err(Failure::Usage(format!(
-            "--shard slurm: this array has {}, but {} is computed in {shards} shards; write --shard \"$SLURM_ARRAY_TASK_ID/{shards}\"",
-            counted(shard.count().into(), "task", "tasks"),
-            quoted(directory.path())
-        ))),
-    }
-}
-
-/// A warning if a job has less work than shards.
-fn shards_beyond_work(shard: Shard, job: &Job) -> Option<String> {
-    let parts = Parts::new(job);
-    let (work, what) = if parts.are_sequential() {
-        (u128::from(job.cells()), counted(job.cells().into(), "cell", "cells"))
-    } else {
-        (parts.all_units(), counted(parts.all_units(), "unit of work", "units of work"))
-    };
-    let shards = u128::from(shard.count());
-    (shards > work).then(|| {
-        format!(
-            "--shard {shard}: the job has only {what} to share, so that {} have nothing to compute",
-            counted(shards - work, "shard", "shards")
-        )
-    })
+    let asked = job.sampling.method.asked();
+    Err(Failure::Usage(format!(
+        "{option}: {asked} draws no samples to share; one process computes it, without this option"
+    )))
 }
 
 /// Why an option for verdict maps is refused.
@@ -206,7 +160,6 @@ pub fn merge(arguments: &MergeArguments, interrupt: &Interrupt) -> Result<(), Fa
     // Shards may still be at work: some that finish, or one of which a batch system started a second copy.
     let patience = Duration::from_secs(arguments.wait);
     let directory = RunDirectory::open(&arguments.run, Access::Alone, patience.max(AN_INSTANT))?;
-    sharing::tidy(directory.path());
     let job = directory.job()?;
     let tally = directory.tally(&job)?;
     let resume = format!("stickslip resume {}", quoted(&arguments.run));
@@ -217,13 +170,12 @@ pub fn merge(arguments: &MergeArguments, interrupt: &Interrupt) -> Result<(), Fa
     let complete = Parts::new(&job).complete_cells(&tally);
     if complete < job.cells() {
         return Err(Failure::Job(format!(
-            "{} is not complete: {} of {} cells, {} of {} samples. {}, or compute what is missing here with `{resume}`",
+            "{} is not complete: {} of {} cells, {} of {} samples. Submit every shard again (those that are finished end at once), or compute what is missing here with `{resume}`",
             arguments.run.display(),
             complete,
             job.cells(),
             HumanCount128(tally.counted()),
             HumanCount128(job.total_samples()),
-            how_to_submit_missing(directory.path(), &job, &tally),
         ))
         .coded(Code::Incomplete)
         .remedied(resume));

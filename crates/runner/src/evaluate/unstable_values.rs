@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use stickslip_core::model::critical_values::{Memory, UnstableValues};
 use stickslip_sampler::estimate::interval::Estimate;
 use stickslip_sampler::grid::Cell;
-use stickslip_sampler::inputs::{DeviateLaw, InputDistribution};
+use stickslip_sampler::inputs::DeviateLaw;
 use stickslip_sampler::integrate::closed_form::ExactProbability;
 use stickslip_sampler::integrate::one_input;
 
@@ -39,33 +39,19 @@ impl UnstableValuesOfInput {
         }
     }
 
+    /// The search for these values of the other quantities is made once, with `memory`; one memory may serve several in a row.
     fn probability(&self, job: &Job, cell: &Cell, place: usize, memory: &dyn Memory) -> Option<ExactProbability> {
         let position = job.random.position(place)?;
-        let distribution = job.distribution(position, cell);
-        self.with_distribution(job, cell, place, &distribution, || places(job, position), memory)
-    }
-
-    /// The probability over the input with this distribution. All distributions that are asked for lie within the places at
-    /// which the search begins.
-    /// The search for these values of the other quantities is made once, with `memory`; one memory may serve several in a row.
-    pub fn with_distribution(
-        &self,
-        job: &Job,
-        cell: &Cell,
-        place: usize,
-        distribution: &InputDistribution,
-        places: impl FnOnce() -> Vec<f64>,
-        memory: &dyn Memory,
-    ) -> Option<ExactProbability> {
         let mut expected = cell.expected.clone();
         expected[place] = 0.0;
         let key = expected.iter().map(|value| value.to_bits()).collect();
         let found = self.found.lock().unwrap_or_else(PoisonError::into_inner).entry(key).or_default().clone();
         let unstable = found.get_or_init(|| {
             let configuration = job.model().configure(&cell.expected, &[place], None).ok()?;
-            configuration.critical_values()?.unstable(&[cell.expected[place]], 0, &places(), memory)
+            configuration.critical_values()?.unstable(&[cell.expected[place]], 0, &places(job, position), memory)
         });
-        Some(one_input::probability(distribution, DeviateLaw::INDEPENDENT, unstable.as_ref()?))
+        let distribution = job.distribution(position, cell);
+        Some(one_input::probability(&distribution, DeviateLaw::INDEPENDENT, unstable.as_ref()?))
     }
 }
 

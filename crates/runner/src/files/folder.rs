@@ -214,12 +214,6 @@ impl Folder {
         there.is_ok_and(|there| FileType::from_raw_mode(there.st_mode) == FileType::Directory)
     }
 
-    /// Creates an empty file, in place of whatever has its name but a directory.
-    pub fn create_file(&self, name: &str) -> io::Result<File> {
-        self.remove(name)?;
-        Ok(File::from(rustix::fs::openat(&self.handle, name, NEW_FILE, mode_of_new_files())?))
-    }
-
     /// Removes a file, if there is one.
     pub fn remove(&self, name: impl AsRef<OsStr>) -> io::Result<()> {
         match rustix::fs::unlinkat(&self.handle, name.as_ref(), AtFlags::empty()) {

@@ -14,10 +14,6 @@ mod sampling_spec;
 
 mod axes_spec;
 
-mod sbatch;
-
-mod engine;
-
 mod limit_spec;
 
 mod target_spec;
@@ -73,7 +69,6 @@ mod source;
 #[cfg(test)]
 mod mutations;
 
-pub use engine::{EngineSettings, MOST_CPUS, MOST_SHARDS, Memory, SlurmName, TimeLimit};
 pub use limit::LimitMethod;
 pub use limit_axis::LimitAxis;
 pub use limit_request::LimitRequest;
@@ -86,6 +81,5 @@ pub use models::schema;
 pub use models::start_spec::StartKind;
 pub use sampling_numbers::Effort;
 pub use sampling_spec::{Audit, EvaluateMode};
-pub use sbatch::SbatchOption;
 pub use source::{JobSource, Overrides};
 pub use validated::Job;

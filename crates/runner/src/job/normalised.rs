@@ -9,7 +9,6 @@ use stickslip_sampler::inputs::Marginal;
 
 use super::axes_spec::{AxesSpec, AxisEntry, AxisSpec};
 use super::distribution_spec::{DistributionSpec, MarginalSpec};
-use super::engine::EngineSpec;
 use super::method::Sampling;
 use super::model::{OutsidePhysics, Tables, table_of, written};
 use super::random_spec::{RandomSpec, RelativeStdSpec, StdSpec};
@@ -47,7 +46,6 @@ impl Job {
             sampling: (&self.sampling).into(),
             limit: None,
             target: None,
-            engine: EngineSpec::default(),
         }
     }
 

@@ -368,14 +368,6 @@ interval = "clopper-pearson"
 simultaneous = false
 derivatives = false
 sensitivity = false
-[engine]
-partition = "main"
-time = "2:00:00"
-memory = "2G"
-cpus_per_task = 4
-shards = 16
-max_shards = 100
-sbatch = ["--constraint=avx2"]
 "#;
 
     fn complaints(text: String) -> Option<String> {

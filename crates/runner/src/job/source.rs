@@ -130,13 +130,6 @@ impl JobSource {
         job.ok_or_else(|| self.refused(complaints))
     }
 
-    /// Refuses options of `sbatch` that are not for a job. A run whose frozen job has some is computed all the same, as
-    /// they count for `submit --engine` alone.
-    pub fn require_options_for_jobs(&self, job: &Job) -> Result<(), Failure> {
-        let complaints = job.engine.not_for_jobs();
-        if complaints.len() == 0 { Ok(()) } else { Err(self.refused(complaints)) }
-    }
-
     /// Everything that is wrong with it.
     fn refused(&self, complaints: Complaints) -> Failure {
         let place = complaints.place(&self.path, &self.text, |span| reading::key_at(&self.text, span));

@@ -6,7 +6,6 @@ use serde::{Deserialize, Serialize};
 use toml::Spanned;
 
 use super::axes_spec::AxesSpec;
-use super::engine::EngineSpec;
 use super::limit_spec::LimitSpec;
 use super::random_spec::RandomSpec;
 use super::sampling_spec::SamplingSpec;
@@ -50,7 +49,4 @@ pub struct JobSpec {
     #[serde(skip_serializing)]
     #[schemars(with = "Option<TargetSpec>")]
     pub target: Option<Spanned<TargetSpec>>,
-    /// What a cluster is asked for. The surface does not depend on it.
-    #[serde(default, skip_serializing)]
-    pub engine: EngineSpec,
 }

@@ -14,7 +14,6 @@ use stickslip_sampler::inputs::InputDistribution;
 use stickslip_sampler::integrate::NormalPair;
 use stickslip_sampler::integrate::pair::Pair;
 
-use super::engine::EngineSettings;
 use super::limit_request::LimitRequest;
 use super::method::{Answer, MapUse, Sampling};
 use super::model::{JobModel, OutsidePhysics};
@@ -51,8 +50,6 @@ pub struct Job {
     pub limit: Option<LimitRequest>,
     /// Which probability the summary answers first.
     pub target: Option<f64>,
-    /// What a cluster is asked for.
-    pub engine: EngineSettings,
 }
 
 impl Job {
@@ -297,14 +294,9 @@ impl Job {
 
     /// The distribution of the random input at `position` in a cell.
     pub fn distribution(&self, position: usize, cell: &Cell) -> InputDistribution {
-        self.distribution_with(position, cell, self.std(position, cell))
-    }
-
-    /// The distribution of the random input at `position` in a cell, with another standard deviation.
-    pub fn distribution_with(&self, position: usize, cell: &Cell, std: f64) -> InputDistribution {
         let is_absolute = self.quantity_of(position).scatters_absolutely;
         let of = if is_absolute { InputDistribution::absolute } else { InputDistribution::relative };
-        of(&self.random.marginals[position], self.expected(position, cell), std)
+        of(&self.random.marginals[position], self.expected(position, cell), self.std(position, cell))
     }
 
     /// The pair of the model in a cell, as if it were normal and independent; of a model without, two constants.

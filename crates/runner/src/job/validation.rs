@@ -9,7 +9,6 @@ use toml::Spanned;
 
 use super::axes::{CheckedAxes, MOST_CELLS};
 use super::diagnosis::{Complaint, Complaints};
-use super::engine::EngineSettings;
 use super::limit::requested;
 use super::limit_request::LimitRequest;
 use super::method::{Answer, Sampling};
@@ -55,7 +54,6 @@ pub fn validate(spec: &JobSpec, mut draft: Box<dyn Draft>, folder: &Path, compla
     let others = random.as_ref().zip(model.as_deref());
     let sampling = Sampling::validate(&spec.sampling, others, boundary, cells, complaints);
     let outside_physics = complaints.take(validate_outside_physics(given_policy, sampling.as_ref()));
-    let engine = EngineSettings::validate(&spec.engine, complaints);
     LimitRequest::check_keys(spec.limit.as_ref(), complaints);
     let target = TargetSpec::checked(spec.target.as_ref(), complaints);
     if complaints.len() > before || complaints.has_unread(&[]) {
@@ -71,7 +69,6 @@ pub fn validate(spec: &JobSpec, mut draft: Box<dyn Draft>, folder: &Path, compla
         sampling: sampling?,
         limit: None,
         target,
-        engine,
     };
     let fitting = fits_a_map(&job, spec).and_then(|()| fits_in_memory(&job));
     complaints.take(fitting)?;

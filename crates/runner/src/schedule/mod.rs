@@ -19,7 +19,3 @@ mod in_order;
 pub mod mapping;
 
 pub mod trial;
-
-pub mod shard_size;
-
-pub mod cluster_cost;

@@ -7,6 +7,9 @@ use std::str::FromStr;
 use crate::evaluate::parts::Parts;
 use crate::store::tally::Tally;
 
+/// Most shards of a job.
+pub const MOST_SHARDS: u64 = 1_000_000;
+
 /// One of several processes that share a job.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Shard {
@@ -26,7 +29,7 @@ impl FromStr for Shard {
         let (index, count) = text.split_once('/').ok_or_else(wrong)?;
         let index: u64 = index.parse().map_err(|_| wrong())?;
         let count: u64 = count.parse().map_err(|_| wrong())?;
-        if count == 0 || index > count || count > 1_000_000 {
+        if count == 0 || index > count || count > MOST_SHARDS {
             return Err(wrong());
         }
         Ok(Self { index: index % count, count, typed: index })
@@ -34,24 +37,14 @@ impl FromStr for Shard {
 }
 
 impl Shard {
-    /// All shards of a run that is computed in this many.
-    pub fn all(count: u64) -> impl Iterator<Item = Self> {
-        (1..=count).map(move |typed| Self { index: typed % count, count, typed })
-    }
-
-    /// Whether a thing of this number belongs to it, where consecutive ones go to different shards.
-    pub fn has(self, number: u64) -> bool {
-        number % self.count == self.index
-    }
-
     /// The number of shards.
     pub fn count(self) -> u64 {
         self.count
     }
 
-    /// The number of this one, from 1 to that of all.
-    pub fn number(self) -> u64 {
-        if self.index == 0 { self.count } else { self.index }
+    /// Whether a thing of this number belongs to it, where consecutive ones go to different shards.
+    pub fn has(self, number: u64) -> bool {
+        number % self.count == self.index
     }
 }
 
@@ -150,38 +143,6 @@ impl Plan {
         Self { gaps, unit_samples, units_before }
     }
 
-    /// The samples of each of `count` shards that are missing, those of shard 1 first: what [`Plan::samples`] is of
-    /// their plans, found in one pass.
-    pub fn missing_of_shards(tally: &Tally, parts: &Parts, unit_samples: u64, count: u64) -> Vec<u128> {
-        let part_units: Vec<u128> =
-            (0..parts.of_a_cell()).map(|place| u128::from(parts.max_samples(place).div_ceil(unit_samples))).collect();
-        let cell_units: u128 = part_units.iter().sum();
-        let mut missing = vec![0; count as usize];
-        let place_of = |number: u128| ((number + u128::from(count) - 1) % u128::from(count)) as usize;
-        for (part, gap) in (0..parts.cells()).flat_map(|cell| parts.missing_of(tally, cell)) {
-            let (cell, place) = parts.place(part);
-            let whole = Gap::whole(part, gap.clone(), unit_samples);
-            if parts.are_sequential() {
-                missing[place_of(cell.into())] += whole.total(unit_samples);
-                continue;
-            }
-            let before = u128::from(cell) * cell_units + part_units[..place].iter().sum::<u128>();
-            if whole.units <= count {
-                for unit in 0..whole.units {
-                    let samples = whole.unit(unit, unit_samples);
-                    missing[place_of(before + u128::from(whole.first + unit))] +=
-                        u128::from(samples.end - samples.start);
-                }
-            } else {
-                for shard in Shard::all(count) {
-                    let share = Gap::new(part, gap.clone(), unit_samples, before, Some(shard));
-                    missing[shard.number() as usize - 1] += share.total(unit_samples);
-                }
-            }
-        }
-        missing
-    }
-
     /// Largest number of samples in a unit.
     pub fn unit_samples(&self) -> u64 {
         self.unit_samples
@@ -271,18 +232,6 @@ mod tests {
             }
             parts.sort_by_key(|(cell, samples)| (*cell, samples.start));
             assert_eq!(parts, whole, "{count} shards from {first}");
-        }
-    }
-
-    #[test]
-    fn what_shards_miss_is_what_they_plan() {
-        let parts = Parts::plain(7, SAMPLES);
-        for tally in [Tally::new(&Parts::plain(7, SAMPLES)), tally_with_holes()] {
-            for count in [1, 2, 3, 4, 5, 16, 100] {
-                let of_shard = |shard: Shard| Plan::new(&tally, &parts, UNIT_SAMPLES, Some(shard)).samples();
-                let planned: Vec<u128> = Shard::all(count).map(of_shard).collect();
-                assert_eq!(Plan::missing_of_shards(&tally, &parts, UNIT_SAMPLES, count), planned, "{count} shards");
-            }
         }
     }
 

@@ -34,7 +34,7 @@ pub fn is_of_run(name: &OsStr) -> bool {
     let Some(name) = name.to_str() else { return false };
     let (stem, extension) = name.rsplit_once('.').unwrap_or((name, ""));
     match extension {
-        _ if WITH_DIGESTS.contains(&name) || [DIGESTS, "engine.json", "report.html"].contains(&name) => true,
+        _ if WITH_DIGESTS.contains(&name) || [DIGESTS, "report.html"].contains(&name) => true,
         "svg" | "pdf" | "png" => DRAWN.contains(&stem) || stem.starts_with("sobol-"),
         "csv" | "json" | "mat" | "npz" => stem == "surface",
         "parquet" => stem.strip_prefix("samples-").is_some_and(|cell| cell.bytes().all(|c| c.is_ascii_digit())),

@@ -33,5 +33,3 @@ mod frozen_job;
 pub mod provenance;
 
 pub mod outdated;
-
-pub mod sharing;

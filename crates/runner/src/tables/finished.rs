@@ -68,10 +68,12 @@ impl FinishedSurface {
                 Err(Failure::InputOutput(text).coded(Code::Damaged).at(Place::file(&surface)).remedied(remedy))
             }
             FileState::Absent | FileState::OfAnotherJob if directory.in_use() => {
-                let watch = format!("stickslip status {} --watch", quoted(run));
-                let text =
-                    format!("{} has no surface yet: it is being computed; wait for it with `{watch}`", run.display());
-                Err(Failure::Job(text).coded(Code::Incomplete).remedied(watch))
+                let status = format!("stickslip status {}", quoted(run));
+                let text = format!(
+                    "{} has no surface yet: it is being computed; `{status}` shows its progress",
+                    run.display()
+                );
+                Err(Failure::Job(text).coded(Code::Incomplete).remedied(status))
             }
             FileState::Absent | FileState::OfAnotherJob => {
                 let resume = format!("stickslip resume {}", quoted(run));

@@ -168,7 +168,7 @@ impl<'a> Surface<'a> {
         let present = directory.open_surface().ok().flatten().and_then(|file| digest_of_file(file).ok());
         let Some(present) = present else { return Ok(false) };
         let mut hasher = blake3::Hasher::new();
-        self.encode(&mut hasher, self.job.cells()).map_err(|error| Failure::writing(&directory.surface(), error))?;
+        self.encode(&mut hasher).map_err(|error| Failure::writing(&directory.surface(), error))?;
         Ok(hasher.finalize().to_hex().as_str() == present)
     }
 
@@ -185,7 +185,7 @@ impl<'a> Surface<'a> {
         let failed = |error: &dyn fmt::Display| Failure::writing(&directory.surface(), error);
         let mut file = directory.root().begin().map_err(|error| failed(&error))?;
         let mut written = Hashed { out: BufWriter::new(&mut file), hasher: blake3::Hasher::new() };
-        self.encode(&mut written, self.job.cells()).map_err(|error| failed(&error))?;
+        self.encode(&mut written).map_err(|error| failed(&error))?;
         written.flush().map_err(|error| failed(&error))?;
         let digest = written.hasher.finalize().to_hex();
         drop(written);
@@ -193,16 +193,10 @@ impl<'a> Surface<'a> {
         Ok(true)
     }
 
-    /// Makes the first rows as they are made for the file, and writes them nowhere: to measure what they cost.
-    pub fn try_rows(&self, cells: u64) -> Result<(), Failure> {
-        let written = self.encode(&mut io::sink(), cells.min(self.job.cells()));
-        written.map_err(|error| Failure::InputOutput(error.to_string()))
-    }
-
-    fn encode(&self, out: &mut (dyn Write + Send), cells: u64) -> Result<(), ParquetError> {
+    fn encode(&self, out: &mut (dyn Write + Send)) -> Result<(), ParquetError> {
         let columns = columns::for_job(self.job, self.layout);
         let mut writer = TableWriter::new(out, columns.iter().map(Column::field).collect(), &footer(self.job))?;
-        let mut first = 0;
+        let (mut first, cells) = (0, self.job.cells());
         while first < cells {
             let end = cells.min(first + BATCH_ROWS);
             let rows: Vec<SurfaceRow> = (first..end).map(|cell| self.row(cell)).collect();

@@ -7,7 +7,7 @@ use indicatif::HumanCount;
 use stickslip_sampler::estimate::interval::Estimate;
 use stickslip_sampler::grid::Cell;
 
-use super::{FEW_SAMPLES, place};
+use super::common::{FEW_SAMPLES, place};
 use crate::cli::PlotArguments;
 use crate::commands::completion::evaluator_again;
 use crate::evaluate::evaluator::Evaluator;

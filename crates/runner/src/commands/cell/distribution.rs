@@ -6,7 +6,7 @@ use indicatif::HumanCount;
 use stickslip_core::model::recorded::RecordedResult;
 use stickslip_sampler::grid::Cell;
 
-use super::{place, unit};
+use super::common::{place, unit};
 use crate::evaluate::unit::Recorded;
 use crate::failure::Failure;
 use crate::job::Job;

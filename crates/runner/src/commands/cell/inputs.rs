@@ -6,7 +6,7 @@ use stickslip_sampler::grid::Cell;
 use stickslip_sampler::inputs::Marginal;
 use stickslip_sampler::special_functions::normal;
 
-use super::{place, require_scatter, value_of};
+use super::common::{place, require_scatter, value_of};
 use crate::evaluate::samples::{Drawing, Samples};
 use crate::failure::Failure;
 use crate::job::Job;

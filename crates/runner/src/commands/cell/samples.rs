@@ -4,7 +4,7 @@ use stickslip_core::model::verdict::Verdict;
 use stickslip_sampler::draw::deviates::Points;
 use stickslip_sampler::grid::Cell;
 
-use super::{FEW_SAMPLES, SAMPLES, first_samples, place, require_scatter, unit, value_of};
+use super::common::{FEW_SAMPLES, SAMPLES, first_samples, place, require_scatter, unit, value_of};
 use crate::cli::PlotArguments;
 use crate::commands::drawn_samples::DrawnSamples;
 use crate::failure::Failure;

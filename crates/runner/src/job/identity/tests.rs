@@ -75,15 +75,6 @@ randomisations = 16
 "#;
 
 #[test]
-fn the_engine_belongs_to_no_identity() {
-    let plain = job(PLAIN);
-    let engine = "[engine]\npartition = \"main\"\nshards = 16\nsbatch = [\"--qos=long\"]\n";
-    let sent = job(&format!("{PLAIN}{engine}"));
-    assert_eq!(sent.engine.shards, Some(16));
-    assert_eq!((sent.hash(), sent.normalised()), (plain.hash(), plain.normalised()));
-}
-
-#[test]
 fn limits_belong_to_no_identity() {
     let plain = job(SOBOL.replace("coupled-eigenvalue", "eigenvalue").as_str());
     let limit = "[limit]\nof = \"preload\"\nprobability = [0.01, 1e-5]\n";

@@ -15,8 +15,8 @@ use stickslip_core::models::matrices::problem::Solver;
 use stickslip_core::models::matrices::terms::Matrix;
 use stickslip_core::numerics::eigenvalues::Eigenvalue;
 
+use super::entry::{Entry, Kind};
 use super::model::Parts;
-use super::{Entry, Kind};
 use crate::failure::Failure;
 use crate::matrix_files;
 

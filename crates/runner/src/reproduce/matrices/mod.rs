@@ -1,6 +1,8 @@
 //! Models given by matrices beside what others published of them: two masses, a drum brake, and three brakes of finite
 //! elements, whose matrices are read from files.
 
+mod entry;
+
 mod model;
 
 mod small;
@@ -9,79 +11,9 @@ mod brakes;
 
 use std::path::Path;
 
+use self::entry::{Entry, Kind};
 use super::part::{Part, Table};
 use crate::failure::Failure;
-
-/// One number of others beside ours.
-struct Entry {
-    /// The problem and the quantity, with its unit.
-    quantity: String,
-    theirs: f64,
-    ours: f64,
-    /// Relative: the digits in which theirs is given.
-    tolerance: f64,
-    kind: Kind,
-    /// The formula or the equation behind it.
-    formula: &'static str,
-    source: &'static str,
-}
-
-/// What a number of others is.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Kind {
-    /// By a formula.
-    Formula,
-    /// Printed by the authors of the model.
-    Printed,
-    /// Computed from the same matrices by another program.
-    Computed,
-    /// Of another model made from the same description. It is not reproduced.
-    OtherModel,
-}
-
-impl Kind {
-    fn name(self) -> &'static str {
-        match self {
-            Self::Formula => "formula",
-            Self::Printed => "printed",
-            Self::Computed => "computed",
-            Self::OtherModel => "other model",
-        }
-    }
-}
-
-impl Entry {
-    fn ratio(&self) -> f64 {
-        self.ours / self.theirs
-    }
-
-    fn agrees(&self) -> bool {
-        (self.ratio() - 1.0).abs() <= self.tolerance
-    }
-
-    fn row(&self) -> [String; 7] {
-        let same = match (self.kind, self.agrees()) {
-            (_, true) => "yes",
-            (Kind::OtherModel, false) => "no",
-            (_, false) => "MISS",
-        };
-        [
-            self.quantity.clone(),
-            significant(self.theirs),
-            significant(self.ours),
-            format!("{:.9}", self.ratio()),
-            same.to_owned(),
-            self.kind.name().to_owned(),
-            format!("{}; {}", self.formula, self.source),
-        ]
-    }
-}
-
-/// Eleven significant digits at most.
-fn significant(value: f64) -> String {
-    let rounded: f64 = format!("{value:.10e}").parse().unwrap_or(value);
-    if (1e-4..1e7).contains(&rounded.abs()) { format!("{rounded}") } else { format!("{rounded:e}") }
-}
 
 /// `reproduce matrices`: files are looked for in `folder`.
 pub fn problems(folder: &Path) -> Result<Vec<Part>, Failure> {

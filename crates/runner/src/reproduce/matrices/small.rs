@@ -2,8 +2,8 @@
 
 use stickslip_core::models::matrices::problem::Solver;
 
+use super::entry::{Entry, Kind};
 use super::model::{Parts, of_two};
-use super::{Entry, Kind};
 use crate::failure::Failure;
 
 const HOFFMANN: &str = "N. Hoffmann, M. Fischer, R. Allgaier, L. Gaul, Mech. Res. Commun. 29 (2002) 197; N. Hoffmann, L. Gaul, ZAMM 83 (2003) 524";
