@@ -22,8 +22,11 @@ run:
 	$(CARGO) build --locked --release
 	$(STICKSLIP) submit jobs/fig14a.toml
 
+# One more test runs at a time than there are processors, since many wait.
+TEST = RUST_TEST_THREADS=$${RUST_TEST_THREADS:-$$(($$(nproc || getconf _NPROCESSORS_ONLN) + 1))} $(CARGO) test --locked
+
 # The tests. Those of the Python readers need Python with venv, those of the report a Chromium as well; without them they
-# are left out, with a word about it. One more test runs at a time than there are processors, since many wait.
+# are left out, with a word about it.
 test: target/readers/ready
 	if [ -x target/readers/bin/python ]; then \
 	    export STICKSLIP_PYTHON="$(CURDIR)/target/readers/bin/python"; \
@@ -36,14 +39,12 @@ test: target/readers/ready
 	else \
 	    echo "note: no Chromium, the test of the report in a browser is left out" >&2; \
 	fi; \
-	processors=$$(nproc 2>/dev/null || getconf _NPROCESSORS_ONLN) || exit 1; \
-	RUST_TEST_THREADS=$${RUST_TEST_THREADS:-$$((processors + 1))} \
-	    $(CARGO) test --locked --release --workspace --no-fail-fast
+	$(TEST) --release --workspace --no-fail-fast
 
-# For while you write, an answer within two minutes after a changed line: the unit tests and those of the command line, but
-# for the slow ones, with little optimisation and with checks for overflow. The first time builds the dependencies.
+# For while you write, an answer within a minute after a changed line: the unit tests and those of the command line, but for
+# the slow ones, with little optimisation and with checks for overflow. The first time builds the dependencies.
 quick:
-	$(CARGO) test --locked --profile quick --workspace --lib --bins --test people
+	$(TEST) --profile quick --workspace --lib --bins --test people
 
 # What happens to runs that are killed, starved, damaged or disturbed, see docs/faults.md. `make test-faults FAULTS=all` makes
 # the full number of tries, which takes hours.

@@ -268,6 +268,7 @@ fn usage_errors_exit_with_64() {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn a_closed_or_full_standard_output_is_an_error_line_and_loses_nothing() {
     let place = Place::new();
     place.write("job.toml", &surface_job("output", 3, 100, 7));
@@ -318,6 +319,7 @@ fn a_directory_in_use_is_refused() {
 
 // That all of the shipped jobs are those that `check` shows of them is tested beside the code.
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn check_shows_a_job_that_can_itself_be_submitted() {
     let place = Place::new();
     let job = repository().join("jobs/fig14a.toml").display().to_string();
@@ -369,6 +371,7 @@ fn shipped_jobs_are_checked_without_a_warning_and_run() {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn jobs_in_time_outside_the_tested_range_are_warned_of_and_run() {
     let place = Place::new();
     // The slow end of the axis is covered, the fast one is 1875 Stribeck velocities.
@@ -623,6 +626,7 @@ fn a_renamed_job_does_not_rename_a_finished_run() {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn what_has_no_verdict_is_not_drawn_as_safe() {
     let place = Place::new();
     let text = surface_job("short", 3, 200, 7)

@@ -114,6 +114,7 @@ fn json_has_axes_and_columns_with_unit_and_meaning() {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn numpy_and_scipy_read_arrays_over_the_axes() {
     let place = Place::new();
     // The inputs differ in the scatter of friction alone; the last axes have one value.

@@ -164,6 +164,7 @@ fn a_preload_is_no_force() {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn a_value_in_two_places_is_refused_with_both_lines() {
     for (section, key, axis) in [
         ("friction", "static_coefficient = 0.4", "static_friction"),
@@ -286,6 +287,7 @@ fn a_job_is_read_from_standard_input() {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn summaries_name_every_input_and_count_in_words() {
     let place = Place::new();
     let text = changed("inputs = [\"preload\", \"static_friction\"]", "inputs = [\"rotating_speed\", \"pad.mass\"]")

@@ -11,6 +11,7 @@ use spdx::{Expression, ParseMode};
 use crate::common::repository;
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn all_crates_have_licences_that_are_allowed() {
     let rules: toml::Table = fs::read_to_string(repository().join("deny.toml")).unwrap().parse().unwrap();
     let allowed: Vec<&str> =

@@ -192,6 +192,7 @@ fn begin_long(place: &Place) -> std::process::Child {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn progress_has_numbers_and_an_interruption_its_remedy() {
     let place = Place::new();
     let begun = Instant::now();

@@ -110,6 +110,7 @@ fn a_page_has_the_size_of_the_figure_and_the_same_bytes_each_time() {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn limits_are_red_lines_on_the_surface_with_gaps_where_there_are_none() {
     let place = Place::new();
     // With an exponent of 2 slow sliding is stable, too: two branches. Little preload is never unstable.
@@ -158,6 +159,7 @@ fn limits_are_red_lines_on_the_surface_with_gaps_where_there_are_none() {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn every_slice_has_a_panel_and_wide_intervals_are_hatched() {
     let place = Place::new();
     let axes = PLANE.replace("= 15.0", "= [12.0, 15.0, 18.0]");
@@ -329,6 +331,7 @@ fn the_difference_of_runs_with_one_long_axis_is_a_curve_with_its_interval() {
 const REGIONS: [&str; 3] = ["#b3d9f2", "#df8244", "#999999"];
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn a_verdict_map_has_a_panel_for_each_brake_with_its_regions_and_tiles() {
     let place = Place::new();
     let axes = "rotating_speed = [12.0, 18.0]\npreload = [0.05, 0.1]\nstatic_friction = [0.35, 0.4, 0.45]";
@@ -518,6 +521,7 @@ fn few_values_along_an_axis_are_tiles() {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn a_plot_shows_chosen_values_a_target_and_a_title() {
     let place = Place::new();
     let axes = PLANE.replace("rotating_speed = 15.0", "rotating_speed = [12.0, 15.0, 18.0]");

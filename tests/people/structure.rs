@@ -153,6 +153,7 @@ fn sources(name: &str) -> std::path::PathBuf {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn modules_import_only_modules_declared_before_them() {
     for (name, root) in CRATES {
         assert_eq!(against_the_order(&sources(name), root), [""; 0], "{name}");
@@ -187,6 +188,7 @@ fn a_circle_is_found() {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn only_modules_about_a_model_know_one() {
     for (name, root) in CRATES {
         let mut modules = Modules::new();

@@ -60,6 +60,7 @@ fn exact(friction: f64) -> f64 {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn samples_of_any_model_are_submitted_resumed_drawn_and_compared() {
     let place = Place::new(AXIS, "samples = 20_000");
     place.run("check ./job.toml").unwrap();
@@ -100,6 +101,7 @@ fn samples_of_any_model_are_submitted_resumed_drawn_and_compared() {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn sobol_points_rare_events_and_limits_go_by_the_quantities_of_any_model() {
     let place = Place::new(AXIS, "method = \"sobol\"\nsamples = 32_768");
     place.run("submit ./job.toml --out ./sobol").unwrap();

@@ -134,6 +134,7 @@ mod tests {
     ];
 
     #[test]
+    #[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
     fn a_cell_that_is_stopped_after_every_unit_is_counted_with_no_unit_lost() {
         for [criterion, sampling] in JOBS {
             let text = format!(

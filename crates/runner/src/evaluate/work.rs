@@ -183,6 +183,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
     fn samples_are_evaluated_for_a_limited_time() {
         // The first samples take longer than one evaluation should, so that the next ones are of fewer.
         let units = emitted(Duration::from_millis(100), |turn| match turn {

@@ -276,6 +276,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
     fn what_takes_much_memory_is_refused_before_it_is_read() {
         // A text that the file holds once, and that would stand in every row.
         let long = table(&"x".repeat(1 << 17));

@@ -107,6 +107,7 @@ fn read(path: &Path, text: &str) {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn mutated_jobs_are_read_or_refused() {
     let mut numbers = Numbers(14);
     for (path, text) in jobs() {
@@ -208,6 +209,7 @@ fn files_of_any_size_are_refused() {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn friction_curves_with_slips_are_read_or_refused() {
     let sound = include_str!("../../jobs/measured-friction.csv");
     let directory = tempfile::tempdir().unwrap();

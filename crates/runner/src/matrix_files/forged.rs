@@ -77,18 +77,21 @@ fn forged(sound: &[u8], numbers: &mut Numbers) -> Vec<u8> {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn forged_mat_files() {
     let files = ["scipy-plain.mat", "scipy-compressed.mat", "octave-v6.mat", "octave-v7.mat", "hand-big-endian.mat"];
     assert_refused("forged_mat_files", ".mat", &files);
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn forged_matrix_market_files() {
     let files = ["scipy-K.mtx", "scipy-G.mtx", "scipy-KF.mtx", "scipy-K-array.mtx", "scipy-G-array.mtx"];
     assert_refused("forged_matrix_market_files", ".mtx", &files);
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn forged_archives_of_numpy() {
     let files = [
         "numpy-plain.npz",
@@ -103,32 +106,38 @@ fn forged_archives_of_numpy() {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn forged_arrays_of_numpy() {
     assert_refused("forged_arrays_of_numpy", ".npy", &["numpy-K.npy", "numpy-M-big-endian.npy"]);
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn forged_files_of_abaqus() {
     let files = ["abaqus_STIF2.mtx", "abaqus_STIF3.mtx", "abaqus-coordinate_STIF4.mtx", "abaqus-coordinate_STIF5.mtx"];
     assert_refused("forged_files_of_abaqus", ".mtx", &files);
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn forged_substructures() {
     assert_refused("forged_substructures", ".mtx", &["abaqus-substructure.mtx", "ccx-substructure.mtx"]);
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn forged_cards_of_nastran() {
     assert_refused("forged_cards_of_nastran", ".pch", &["nastran-small.pch", "nastran-wide.pch", "nastran-double.pch"]);
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn forged_files_of_calculix() {
     assert_refused("forged_files_of_calculix", ".sti", &["ccx-brick.sti", "ccx-brick.mas"]);
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn forged_harwell_boeing_files() {
     let files = ["scipy-K.rua", "scipy-KF.rua", "ansys-K.matrix", "ansys-KF.matrix"];
     assert_refused("forged_harwell_boeing_files", ".rsa", &files);

@@ -283,6 +283,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
     fn one_works_alone_or_several_share() {
         let (_directory, folder) = folder();
         assert!(!is_held(&folder));

@@ -98,6 +98,7 @@ mod tests {
 
     /// Of 300 samples, the first number of unstable ones beyond the bounds at 1e-6, by sums of binomial probabilities.
     #[test]
+    #[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
     fn counts_contradict_bounds_that_make_them_improbable() {
         let mass = |n: u32, k: u32, p: f64| {
             let choose = (0..k).fold(1.0, |product, i| product * f64::from(n - i) / f64::from(i + 1));

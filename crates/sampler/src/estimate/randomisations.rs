@@ -168,6 +168,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
     fn the_interval_with_one_input_has_its_coverage() {
         // The probabilities that lie a little, and half, above a whole number of points.
         for (points, unstable) in [(64, 20.06), (64, 20.5), (256, 3.15), (256, 100.9), (1024, 0.07)] {

@@ -130,6 +130,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
     fn indices_and_their_errors_are_right_whatever_the_mean_and_the_unit() {
         // f = z1 + z2 / 2 + z1 z2 / 2 has the variances 1, 1/4 and 1/4 of its parts; the third input has no effect.
         let expected = [[2.0 / 3.0, 5.0 / 6.0], [1.0 / 6.0, 1.0 / 3.0], [0.0, 0.0]];

@@ -387,6 +387,7 @@ fn tests_that_the_model_cannot_produce_are_named() {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn goodness_of_fit_finds_data_that_contradict_the_model() {
     let model = model(&Marginal::Normal, 0.1, 0.0);
     let p_value = |counts: &[(f64, u64)]| {

@@ -293,6 +293,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
     fn the_ratios_multiply_to_the_probability() {
         for (dimensions, limit) in [(1, 3.0), (2, 4.75), (5, 1.0), (10, 5.0), (20, 6.0)] {
             let is_unstable = |u: &[f64]| u.iter().sum::<f64>() > limit * (dimensions as f64).sqrt();

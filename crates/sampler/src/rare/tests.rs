@@ -50,6 +50,7 @@ fn limit_states_take_as_few_evaluations_as_the_first_order_reliability_method() 
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn islands_of_limit_states_are_not_lost() {
     // A branch, and beside it a disc of radius 1 around (-4, 3), with most of the probability.
     let disc = |u: &[f64]| libm::hypot(u[0] + 4.0, u[1] - 3.0) - 1.0;
@@ -103,6 +104,7 @@ fn a_region_that_is_not_found_is_not_called_stable() {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn a_probability_near_one_is_resolved_as_well_as_one_near_zero() {
     let stable = normal::upper_tail(5.0);
     for seed in 0..10 {
@@ -117,6 +119,7 @@ fn a_probability_near_one_is_resolved_as_well_as_one_near_zero() {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn points_that_a_population_misses_get_particles_of_their_own() {
     // A conditional probability that is nowhere zero, and an island with a hundredth of its probability.
     let valley = |u: &[f64]| normal::upper_tail((5.2 - 0.5 * u[2]) / 0.75_f64.sqrt());

@@ -178,6 +178,7 @@ fn stripes([x, y]: Point) -> Verdict {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn a_tile_never_takes_more_than_its_limit_of_questions() {
     let noise = |point: Point| {
         let bits = (point[0].to_bits() ^ point[1].to_bits().rotate_left(17)).wrapping_mul(0x9E37_79B9_7F4A_7C15);

@@ -386,6 +386,7 @@ mod tests {
     /// A chain of masses with friction between neighbours: eigenvalues by vector instructions tell what all eigenvalues tell, and
     /// nothing where the threshold is at one of them.
     #[test]
+    #[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
     fn large_problems_are_decided_by_fast_eigenvalues_where_these_are_clear() {
         let size = LARGE + 6;
         let (mut clear, mut unstable) = (0, 0);

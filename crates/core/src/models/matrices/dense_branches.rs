@@ -199,6 +199,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
     fn sweeps_find_what_all_eigenvalues_show_at_many_places() {
         let [changes, several] = compare(0..300, 200);
         assert!(changes > 25 && several > 4, "{changes} {several}");

@@ -95,6 +95,7 @@ fn identities_do_not_change_with_the_libraries() {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn every_key_that_changes_results_changes_the_identity() {
     let cases: &[(&str, &[(&str, &str)])] = &[
         (

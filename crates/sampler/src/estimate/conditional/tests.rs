@@ -115,6 +115,7 @@ fn few_points_that_matter_are_as_good_as_few_samples() {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn intervals_contain_a_probability_in_closed_form() {
     // Given the others, a sum of normal deviates exceeds its limit with the tail of the rest.
     let seeds = 300;

@@ -140,6 +140,7 @@ fn poisson(mean: f64) -> Vec<f64> {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn beyond_95_percent_no_difference_has_less_than_its_coverage() {
     // Rare events, at most a few in 10,000 samples: sums over all counts, with the error of 780 cells at 95 % and with
     // 1 %.

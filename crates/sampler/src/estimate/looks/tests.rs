@@ -111,6 +111,7 @@ fn stops(looks: &Looks, p: f64) -> Vec<(f64, u64, u64, Estimate)> {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn the_estimate_is_unbiased_where_the_observed_share_is_not() {
     // Exact sums over all stops.
     for (precision, p, bias_of_share) in [
@@ -137,6 +138,7 @@ fn the_estimate_is_unbiased_where_the_observed_share_is_not() {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn undecided_samples_leave_the_estimate_unbiased() {
     // Every tenth sample is undecided, whatever its verdict would be.
     let (p, looks) = (0.002, Looks::new(half_width(0.055), 6000, 0.95));

@@ -169,6 +169,7 @@ fn standard_errors_are_those_of_repeated_estimates() {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn rare_events_have_no_derivative() {
     // Some 8.5e-4 of the samples are unstable.
     let c = cell(0.1, 0.2735, 0.2, 0.1);

@@ -114,6 +114,7 @@ fn deviate_of(below: f64, above: f64) -> f64 {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn other_distributions_agree_with_the_other_order_of_integration() {
     let boundary = boundary(&[("operating_point.rotating_speed", 16.0)]);
     let root = 3.0_f64.sqrt();
@@ -174,6 +175,7 @@ fn other_distributions_agree_with_the_other_order_of_integration() {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn measured_values_are_integrated_with_their_steps() {
     let boundary = boundary(&[("operating_point.rotating_speed", 16.0)]);
     // Equal ones make steps, their quantiles are piecewise straight.

@@ -224,6 +224,7 @@ thread_local! {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn whatever_is_asked_is_answered_with_few_terms() {
     let mut asked = 0;
     for a in ODD {

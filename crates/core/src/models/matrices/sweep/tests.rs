@@ -231,6 +231,7 @@ fn by_eigenproblem(problem: &DenseQuadratic, path: &OverDeviate, damping_ratio: 
 
 /// The whole verdict from this eigenvalue problem, with all eigenvalues between its places.
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn searches_over_a_parameter_find_what_one_eigenvalue_problem_shows() {
     let linear = [Kind::Friction, Kind::Modulus, Kind::Damping, Kind::Divergence, Kind::Overdamped];
     let (mut models, mut between, mut ends) = (0, 0, 0);

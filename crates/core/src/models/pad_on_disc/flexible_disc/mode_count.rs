@@ -263,6 +263,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
     fn the_preset_needs_five_modes_at_every_speed() {
         for speed in [5.0, 10.0, 15.4, 16.0, 20.0, 35.0] {
             for preload in [0.01, 0.1, 0.3] {
@@ -287,6 +288,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
     fn where_the_most_modes_are_too_few_it_is_said() {
         let brake = ring(0.075, 0.090, 0.078, &[]);
         let (flexible, check) = FlexibleBrake::with_enough_modes(brake.clone()).unwrap();

@@ -166,6 +166,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
     fn many_brakes_are_decided_as_by_their_eigenvalues() {
         let mut draw = uniform_draws(17);
         for (modes, count, spread) in [(5, 1203, 0.35), (5, 600, 1.2), (8, 200, 0.5)] {
@@ -175,6 +176,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
     fn samples_next_to_the_critical_product_are_decided_as_by_their_eigenvalues() {
         let mut left_open = 0;
         for speed in [12.0, 15.4, 22.0] {

@@ -123,6 +123,7 @@ fn verdicts_hold_ten_times_as_long_near_both_boundaries() {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn ringing_of_the_disc_is_no_instability() {
     // Much preload and little falling friction: the tangential motion dies away faster than the disc rings, and what
     // is left to see beats. No stick-slip exists there (22 rad/s, the limit cycle starts at f_s = 0.264 and more).
@@ -141,6 +142,7 @@ fn ringing_of_the_disc_is_no_instability() {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn the_threshold_in_time_is_that_of_the_eigenvalues() {
     for disc in [DiscModel::Rigid, FLEXIBLE] {
         // A small displacement: at one percent of x0 the falling friction is no longer quite linear.
@@ -230,6 +232,7 @@ fn inputs_outside_physics_are_stable_and_blown_up_ones_failed() {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn recording_the_amplitude_changes_no_verdict() {
     for (disc, horizon) in [(DiscModel::Rigid, 9.0), (FLEXIBLE, 40.0)] {
         for start in [Start::NearEquilibrium, Start::Rest] {
@@ -331,6 +334,7 @@ fn a_pad_that_stuck_once_and_creeps_towards_the_equilibrium_is_stable() {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn ringing_after_a_long_stick_is_no_instability() {
     // On a disc so slow the pad sticks for 2300 units of time, and what rings at its release beats for some hundred.
     let changes = [
@@ -361,6 +365,7 @@ fn ringing_after_a_long_stick_is_no_instability() {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn a_motion_whose_disc_rings_longer_than_its_pad_swings_is_decided() {
     // Partial contact and little damping of the disc: beyond time 100 nothing but its beats is left to see.
     let changes = [
@@ -460,6 +465,7 @@ fn settings_out_of_range_are_refused() {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn verdicts_are_right_on_both_sides_of_the_end_of_stick_slip() {
     // Its speed is where the adaptive method finds it: to 1e-10, as the tests of `limit_cycle` see it with SciPy.
     let mut draw = uniform_draws(31);

@@ -49,6 +49,7 @@ fn farthest(a: &Trajectory, b: &Trajectory) -> [f64; 3] {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn stick_slip_is_that_of_the_modal_disc() {
     for speed in [10.0, 20.0] {
         let exact = modal(speed, Start::Rest, 0.01, 80.0).settled.unwrap();
@@ -72,6 +73,7 @@ fn stick_slip_is_that_of_the_modal_disc() {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn both_allotments_give_one_motion() {
     let speed = 20.0;
     let [coarse, fine] = [8, 16].map(|points| {
@@ -90,6 +92,7 @@ fn both_allotments_give_one_motion() {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn nothing_moves_at_the_equilibrium_but_what_the_nodes_stir() {
     let [coarse, fine] = [8, 16].map(|points| {
         let brake = on_grid(40.0, points);
@@ -137,6 +140,7 @@ fn steady_sliding_is_that_of_the_modal_disc() {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn contact_is_lost_and_found_as_on_the_modal_disc() {
     let (start, displacement) = (Start::NearEquilibrium, 150.0);
     let exact = modal(20.0, start, displacement, 6.0);

@@ -40,6 +40,7 @@ fn critical_speed(modes: usize) -> f64 {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn as_many_modes_are_kept_as_change_the_critical_speed() {
     // The study behind DISC_MODES: with five modes the critical speed is within 1e-4 of its limit, with four it is
     // not; and five carry 99 % of the disc's compliance under the pad, which the physics notes give as 1.84e-9 m/N

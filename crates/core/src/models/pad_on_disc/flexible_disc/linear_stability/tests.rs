@@ -17,6 +17,7 @@ fn inputs(count: u32) -> impl Iterator<Item = RandomInputs> {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn the_lattice_agrees_with_the_eigenvalues() {
     for changes in [
         vec![("operating_point.rotating_speed", 15.4)],

@@ -75,6 +75,7 @@ fn lanes_agree_at_the_horizon_and_in_breakdown_too() {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn other_discs_patches_and_exponents_agree_as_well() {
     let settings = TimeDomainSettings::default();
     for changes in [
@@ -225,6 +226,7 @@ fn brakes<'q>(criterion: &'q TimeDomain, keys: &[&str], count: u64) -> Vec<Queue
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn every_lane_has_the_bits_of_its_own_brake() {
     for (disc, count) in [(DiscModel::Rigid, 600), (DiscModel::Flexible { modes: 5 }, 90)] {
         let settings = TimeDomainSettings { horizon: 300.0, record_amplitude: true, ..Default::default() };
@@ -235,6 +237,7 @@ fn every_lane_has_the_bits_of_its_own_brake() {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn every_friction_law_has_the_bits_of_the_scalar_code() {
     let table = || {
         let rows = [0.0, 0.3, 0.8, 1.5, 3.0, 6.0];
@@ -271,6 +274,7 @@ fn every_friction_law_has_the_bits_of_the_scalar_code() {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn discs_of_another_geometry_are_simulated_one_by_one_in_the_same_queue() {
     let settings = TimeDomainSettings { horizon: 100.0, ..Default::default() };
     let criterion = criterion(&DiscModel::Flexible { modes: 5 }, settings, &[("operating_point.rotating_speed", 18.0)]);

@@ -88,6 +88,7 @@ fn the_saddle_node_is_found_at_any_step_size() {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn steps_resolve_the_friction_law_however_steep_it_is() {
     // Where stick-slip ends, by these steps and by the adaptive method; the disc passes the pad at ten to a thousand
     // Stribeck velocities, and at two in the first case.

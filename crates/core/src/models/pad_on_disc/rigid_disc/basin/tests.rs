@@ -115,6 +115,7 @@ fn is_inside(polygon: &[(f64, f64)], (x, u): (f64, f64)) -> bool {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn motions_from_inside_the_outline_return_and_no_others() {
     for speed in [1.2, 1.5, 1.8] {
         let brake = bstab(speed);

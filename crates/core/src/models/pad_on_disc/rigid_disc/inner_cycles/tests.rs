@@ -70,6 +70,7 @@ fn the_condition_is_the_derivative_of_the_damping_over_the_speed() {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn no_half_swing_is_faster_than_its_bound() {
     let mut draw = uniform_draws(9);
     let [mut bounded, mut swings] = [0; 2];

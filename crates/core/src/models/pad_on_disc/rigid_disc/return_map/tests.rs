@@ -93,6 +93,7 @@ fn what_surely_comes_to_rest_does() {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn up_to_exponent_one_swings_shrink_inside_one_amplitude_and_grow_outside() {
     let mut cycles = 0;
     for exponent in [0.4, 0.7, 1.0] {
@@ -158,6 +159,7 @@ fn a_cycle_just_inside_a_swing_is_found() {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn a_clear_capture_is_one() {
     let mut draw = uniform_draws(5);
     let mut counts = [0; 2];

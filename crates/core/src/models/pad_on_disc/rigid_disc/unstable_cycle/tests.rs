@@ -77,6 +77,7 @@ fn unstable_cycles_are_where_an_independent_integration_finds_them() {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn near_the_critical_speed_the_amplitude_grows_with_the_root_of_the_distance() {
     let critical = PadOnDisc::preset_with(&[]).unstable_speeds().last().unwrap().to;
     let at = |distance: f64| cycle(&[("operating_point.rotating_speed", critical * (1.0 + distance))]).outward;
@@ -87,6 +88,7 @@ fn near_the_critical_speed_the_amplitude_grows_with_the_root_of_the_distance() {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn a_cycle_that_no_motion_follows_forward_in_time_is_found() {
     // Amplitudes just inside it and just outside differ by less than their last digit after one turn.
     let brakes = [

@@ -125,6 +125,7 @@ fn verdicts_on_flexible_discs_are_right_or_undecided_about_the_end_of_stick_slip
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn what_is_stopped_while_it_is_simulated_again_has_no_decision_or_the_right_one() {
     let (criterion, inputs) = BRAKES[1].at(BRAKES[1].end * 1.0005);
     let samples: Vec<RandomInputs> = (0..5)

@@ -217,6 +217,7 @@ fn starts_that_no_pad_can_have_are_refused_and_fail() {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn knocks_on_a_flexible_disc_end_as_their_motions_do() {
     // At 22 rad/s steady sliding is stable, and so is stick-slip.
     let at_rest = 1e-4;

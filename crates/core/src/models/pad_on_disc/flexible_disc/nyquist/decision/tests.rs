@@ -210,6 +210,7 @@ fn no_response_exceeds_its_bounds_whichever_couplings_there_are() {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn the_side_of_the_crossing_is_that_of_the_eigenvalues_next_to_stability() {
     let mut draw = uniform_draws(5);
     let mut decided = [0; 3];
@@ -309,6 +310,7 @@ fn matrix_and_column(work: &Work<1>, of: &Coefficients<1>, size: usize, x: usize
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn a_patch_that_may_be_lifted_by_its_tilt_is_left_to_the_eigenvalues() {
     let mut draw = uniform_draws(11);
     let mut counts = [0; 2];
