@@ -44,7 +44,7 @@ fn read(modules: &mut Modules, file: &Path, folder: &Path, place: Words) {
     for child in &children {
         let (single, inside) = (folder.join(format!("{child}.rs")), folder.join(child));
         let file = if single.is_file() { single } else { inside.join("mod.rs") };
-        read(modules, &file, &inside, [&place[..], &[child.clone()]].concat());
+        read(modules, &file, &inside, [&place[..], std::slice::from_ref(child)].concat());
     }
     modules.insert(place, Module { children, paths });
 }
