@@ -34,8 +34,8 @@ PAGE = 4096
 # Bytes of a disk that another program soon fills, and of one with room for everything.
 SMALL, ROOM = 4 << 20, 64 << 20
 
-# A user who has no other process, that of another row neither.
-OTHER = 61235
+# A user who has no other process.
+OTHER = 61234
 
 
 class SmallDisk:

@@ -23,7 +23,9 @@ from limits import OTHER, SMALL, SmallDisk
 SUBMIT = ["submit", "job.toml", "--out", "run", "--threads", 1]
 
 # Words of a refusal that come before any computing.
-AS_OTHER = ["setpriv", f"--reuid={OTHER}", f"--regid={OTHER}", "--clear-groups"]
+# Not the user whose processes are counted, as rows are made side by side.
+ANOTHER = OTHER + 1
+AS_OTHER = ["setpriv", f"--reuid={ANOTHER}", f"--regid={ANOTHER}", "--clear-groups"]
 
 
 def refused(place: Place, words: list, before: list = (), code: int = CANNOT_CREATE) -> None:

@@ -185,6 +185,7 @@ fn a_merge_submits_the_shards_again_a_few_times() {
         ended(&mut script(&place, "gaps", "shard", task)).done();
     }
     merge("2", "COMPLETED").done();
+    assert!(record(&place).is_empty(), "nothing is missing, and {:?} was submitted", record(&place));
     place.run("verify gaps").done();
 }
 

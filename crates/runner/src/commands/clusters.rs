@@ -3,9 +3,9 @@
 
 use std::fs;
 use std::io::{self, BufRead as _, BufReader};
-use std::path::{Path, PathBuf, absolute};
+use std::path::{Path, absolute};
 use std::process::{Child, Command, ExitStatus, Stdio};
-use std::thread;
+use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
 use super::adoption::{RunState, adopt_as_shard};
@@ -49,8 +49,8 @@ pub fn submit_to_engine(arguments: &SubmitArguments, interrupt: &Interrupt) -> R
     require_samples_to_share(&job, "--engine")?;
     map_directories(&arguments.maps.maps, &job)?;
     let hosts = hosts(arguments, kind)?;
-    let name = |option: &String| option.split('=').next().unwrap_or_default().to_owned();
-    if let Some(own) = arguments.engine.sbatch.iter().map(name).find(|name| OWN.contains(&&**name)) {
+    let mut names = arguments.engine.sbatch.iter().filter_map(|option| option.split('=').next());
+    if let Some(own) = names.find(|name| OWN.contains(name)) {
         return Err(Failure::Usage(format!("{own}: `--engine slurm` sets this option of sbatch itself; leave it out")));
     }
     let out = arguments.out.clone().unwrap_or_else(|| Path::new("runs").join(&job.name));
@@ -183,10 +183,9 @@ fn require_program(kind: EngineKind) -> Result<(), Failure> {
 /// Submits the array and the merge.
 fn submit_array(script: &Path, run: &Path) -> Result<(), Failure> {
     let cannot = |error: io::Error| Failure::InputOutput(format!("cannot run sh: {error}"));
-    let mut child = started(script, &["submit"], Stdio::piped()).map_err(cannot)?;
-    let passing_on = child.stderr.take().map(|errors| thread::spawn(|| pass_on(errors)));
+    let (child, passing_on) = started(script, &["submit"], Stdio::piped()).map_err(cannot)?;
     let output = child.wait_with_output().map_err(cannot)?;
-    let _ = passing_on.map(thread::JoinHandle::join);
+    let _ = passing_on.map(JoinHandle::join);
     let jobs = String::from_utf8_lossy(&output.stdout).trim().to_owned();
     if !output.status.success() || jobs.is_empty() {
         let remedy = "correct what it says and submit the job again in the same way";
@@ -204,26 +203,29 @@ fn run_shards(script: &Path, run: &Path, interrupt: &Interrupt) -> Result<(), Fa
         "shards that other machines have begun go on, and what is finished is kept; to continue, {again}"
     )));
     let cannot = |error: io::Error| Failure::InputOutput(format!("cannot run parallel: {error}"));
-    let mut child = started(script, &[], Stdio::inherit()).map_err(cannot)?;
-    let passing_on = child.stderr.take().map(|errors| thread::spawn(|| pass_on(errors)));
+    let (child, passing_on) = started(script, &[], Stdio::inherit()).map_err(cannot)?;
     let status = wait(child, interrupt).map_err(cannot)?;
     if let Some(signal) = interrupt.signal() {
         let kept = Advice::action(&format!("what is finished is kept; to continue, {again}"));
         return Err(Failure::stopped(signal, &kept));
     }
-    let _ = passing_on.map(thread::JoinHandle::join);
+    let _ = passing_on.map(JoinHandle::join);
     if !status.success() {
-        let log: PathBuf = run.join("parallel/shard.log");
+        let log = run.join("parallel/shard.log");
         note(format_args!("not every shard has ended well ({status}); see {}", quoted(&log)));
     }
     // A machine that was lost from sight may still be at work.
     merge(&MergeArguments { run: run.to_owned(), wait: WAIT }, interrupt)
 }
 
-/// Starts a script, whose messages are passed on as notes where they are for programs.
-fn started(script: &Path, words: &[&str], output: Stdio) -> io::Result<Child> {
+/// Starts a script, whose messages a thread passes on as notes where they are for programs.
+fn started(script: &Path, words: &[&str], output: Stdio) -> io::Result<(Child, Option<JoinHandle<()>>)> {
     let errors = if are_json() { Stdio::piped() } else { Stdio::inherit() };
-    Command::new("sh").arg(script).args(words).stdin(Stdio::null()).stdout(output).stderr(errors).spawn()
+    let mut command = Command::new("sh");
+    command.arg(script).args(words).stdin(Stdio::null()).stdout(output).stderr(errors);
+    let mut child = command.spawn()?;
+    let passing_on = child.stderr.take().map(|errors| thread::spawn(|| pass_on(errors)));
+    Ok((child, passing_on))
 }
 
 /// Passes on the messages of another program, each line as a note.

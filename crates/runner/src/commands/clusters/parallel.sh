@@ -14,7 +14,7 @@ fi
 
 program=
 stopped=
-# GNU parallel ends with its jobs, sooner or later: it may not listen yet, or wait for jobs after the first signal.
+# GNU parallel may not listen yet, or wait for its jobs: whoever sends a signal repeats it until this script has ended.
 pass_on() {
     stopped=yes
     if [ -n "$program" ]; then kill -TERM "$program" 2>/dev/null || :; fi

@@ -67,11 +67,12 @@ map | shard)
     exit "$code"
     ;;
 merge)
-    # The time limit ends it; what is near is no matter.
+    # A warning of the time limit is of no use to it.
     trap '' USR1
     # It waits for a task that Slurm believes to be lost.
     "$stickslip" merge "$run" --wait 600
     code=$?
+    # It has failed for another reason than missing samples, or not at all.
     if ! "$stickslip" status "$run" --json | grep -q '"state": "unfinished"'; then exit "$code"; fi
     # A shard that is finished ends at once when it is submitted again.
     if scontrol show job "$3" --oneliner 2>/dev/null | grep -q JobState=CANCELLED; then
