@@ -224,7 +224,7 @@ $(MDBOOK):
 		--no-default-features --features search
 
 # The figures of docs/reproduction.md. Figure 14b, which takes minutes, is left out.
-FIGURES = fig4 fig5 fig6 fig7 fig8 fig9 fig10 fig11 fig12 fig13 fig14a fig14c fig14d fig15a fig15b external
+FIGURES = fig4 fig5 fig6 fig7 fig8 fig9 fig10 fig11 fig12 fig13 fig14a fig14c fig14d fig15a fig15b
 
 # The pictures of the documents that the program draws.
 docs-pictures:

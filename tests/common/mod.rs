@@ -19,7 +19,7 @@ use serde_json::Value;
 use tempfile::TempDir;
 
 /// The targets of `reproduce`.
-pub const TARGETS: [&str; 21] = [
+pub const TARGETS: [&str; 19] = [
     "table2",
     "table3",
     "fig4",
@@ -38,8 +38,6 @@ pub const TARGETS: [&str; 21] = [
     "fig14d",
     "fig15a",
     "fig15b",
-    "external",
-    "matrices",
     "scoreboard",
 ];
 

@@ -274,24 +274,3 @@ fn figure_4_crosses_zero_at_the_critical_speed() {
     }
     assert!((last_unstable - 15.5).abs() < 1e-9, "the paper's critical speed is 15.56, the grid is 0.5 wide");
 }
-
-/// Published models given by matrices, with those whose matrices are in files, and without.
-#[test]
-fn published_models_given_by_matrices_are_reproduced() {
-    let place = Place::new();
-    let folder = repository().join("jobs");
-    let printed = place.run(&format!("reproduce matrices --matrices {}", folder.display())).done().stdout;
-    let rows = |word: &str| printed.lines().filter(|line| line.contains(word)).count();
-    // Formulas, eigenvalues that are printed, numbers computed by other programs; all of them agree.
-    let yes = |kind: &str| printed.lines().filter(|line| line.contains(" yes ") && line.ends_with(kind)).count();
-    assert_eq!([yes("formula"), yes("printed"), yes("computed")], [9, 10, 19], "{printed}");
-    assert_eq!([rows("MISS"), rows("DOES NOT HOLD"), rows("Left out")], [0; 3], "{printed}");
-    for number in ["1.9602310483", "0.28271023474", "0.2862109194", "0.0835794671", "0.28936712552"] {
-        assert!(printed.contains(number), "{number}");
-    }
-    // The other model of the same description is not this one.
-    assert!(rows("other model") >= 2 && rows(" no  other model") == 2, "{printed}");
-    let without = place.run("reproduce matrices").done().stdout;
-    assert!(without.contains("Left out:") && without.contains("jobs/tu-brake/tu-brake.mat"), "{without}");
-    assert!(without.contains("--matrices DIR") && !without.contains("DOES NOT HOLD"));
-}

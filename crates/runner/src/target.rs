@@ -41,10 +41,6 @@ pub enum Target {
     Fig15a,
     /// Surface at 15 rad/s, standard deviation 0.3
     Fig15b,
-    /// Two friction oscillators that others published, beside their numbers
-    External,
-    /// Models given by matrices that others published, beside their numbers
-    Matrices,
     /// Every number printed in the paper beside the computed one
     Scoreboard,
     /// All of the above
@@ -72,7 +68,7 @@ impl Target {
             Self::Fig15a => Some(include_str!("../jobs/fig15a.toml")),
             Self::Fig15b => Some(include_str!("../jobs/fig15b.toml")),
             Self::Fig5 | Self::Fig6 | Self::Fig7 | Self::Fig8 | Self::Fig9 | Self::Fig10 | Self::Fig11 => None,
-            Self::External | Self::Matrices | Self::Scoreboard | Self::All => None,
+            Self::Scoreboard | Self::All => None,
         }
     }
 }

@@ -290,9 +290,6 @@ pub struct ReproduceArguments {
     /// Directory for the runs; each goes to DIR/NAME
     #[arg(long, value_name = "DIR", default_value = "runs")]
     pub out: PathBuf,
-    /// For matrices: the folder with tu-brake/ and own-brake/, as jobs/ of the sources; what is not there is left out
-    #[arg(long, value_name = "DIR", default_value = "jobs")]
-    pub matrices: PathBuf,
     /// Write DIR/gallery.html: what is reproduced, beside what the paper prints
     #[arg(long)]
     pub report: bool,

@@ -241,8 +241,7 @@ impl Folder {
 
     /// Begins a file.
     pub fn begin(&self) -> io::Result<Unfinished<'_>> {
-        let host = gethostname::gethostname();
-        let host = blake3::hash(host.as_encoded_bytes()).to_hex();
+        let host = blake3::hash(host().as_bytes()).to_hex();
         loop {
             let number = FILES.fetch_add(1, Ordering::Relaxed);
             let name = format!("{PREFIX}{}-{}-{number}", &host[..8], process::id());
@@ -348,6 +347,11 @@ impl Drop for Unfinished<'_> {
             let _ = rustix::fs::unlinkat(&self.folder.handle, &self.name, AtFlags::empty());
         }
     }
+}
+
+/// The name of this machine.
+pub fn host() -> String {
+    rustix::system::uname().nodename().to_string_lossy().into_owned()
 }
 
 #[cfg(test)]

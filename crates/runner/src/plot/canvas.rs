@@ -1,9 +1,5 @@
 //! What plots are drawn on: lines, areas and text at places in pixels, 96 of them an inch.
 
-use kuva::backend::svg::SvgBackend;
-use kuva::render::color::Color;
-use kuva::render::render::{PathData, Primitive, Scene, TextAnchor};
-
 /// A place on a canvas, from the left and from the top.
 pub type Place = (f64, f64);
 
@@ -101,30 +97,6 @@ impl Canvas {
         Self { width, height, shapes: Vec::new() }
     }
 
-    /// The plot as SVG.
-    pub fn svg(&self) -> Vec<u8> {
-        self.svg_with("").into_bytes()
-    }
-
-    /// The plot as an SVG element of an HTML page, which has the text `label` for readers who do not see it.
-    pub fn element(&self, label: &str) -> String {
-        self.svg_with(&format!("role=\"img\" aria-label=\"{label}\" "))
-    }
-
-    fn svg_with(&self, attributes: &str) -> String {
-        let (width, height) = (self.width, self.height);
-        let mut scene = Scene::new(width, height).with_background(Some("#ffffff"));
-        scene.font_family = Some("DejaVu Sans, Verdana, Arial, sans-serif".to_owned());
-        self.shapes.iter().for_each(|shape| scene.add(primitive(shape)));
-        let mut text = SvgBackend::default().render_scene(&scene);
-        // With its own coordinates a browser can scale the plot.
-        if let Some(element) = text.find("<svg ") {
-            // In place: it may be long.
-            text.insert_str(element + "<svg ".len(), &format!("{attributes}viewBox=\"0 0 {width} {height}\" "));
-        }
-        text
-    }
-
     pub fn line(&mut self, from: Place, to: Place, pen: Pen) {
         self.shapes.push(Shape::Line { from, to, pen });
     }
@@ -186,71 +158,4 @@ impl Canvas {
     pub fn text(&mut self, at: Place, text: &str, size: u32, side: Side, turn: f64, fill: Rgb) {
         self.shapes.push(Shape::Text(Text { at, text: text.to_owned(), size, side, turn, fill }));
     }
-}
-
-/// A shape as the crate that writes SVG has it.
-fn primitive(shape: &Shape) -> Primitive {
-    match shape {
-        Shape::Line { from, to, pen } => Primitive::Line {
-            x1: from.0,
-            y1: from.1,
-            x2: to.0,
-            y2: to.1,
-            stroke: colour(pen.colour),
-            stroke_width: pen.width,
-            stroke_dasharray: None,
-        },
-        Shape::Lines { points, pen } => Primitive::PolyLine {
-            points: points.clone(),
-            stroke: colour(pen.colour),
-            stroke_width: pen.width,
-            stroke_dasharray: None,
-        },
-        Shape::Area { polygons, fill, opacity, line } => Primitive::Path(Box::new(PathData {
-            d: polygons.iter().map(|polygon| path(polygon)).collect(),
-            fill: Some(colour(*fill)),
-            stroke: if *line > 0.0 { colour(*fill) } else { Color::None },
-            stroke_width: *line,
-            opacity: (*opacity < 1.0).then_some(*opacity),
-            stroke_dasharray: None,
-        })),
-        Shape::Dot { at, radius, fill } => Primitive::Circle {
-            cx: at.0,
-            cy: at.1,
-            r: *radius,
-            fill: colour(*fill),
-            fill_opacity: None,
-            stroke: None,
-            stroke_width: None,
-        },
-        Shape::Text(text) => Primitive::Text {
-            x: text.at.0,
-            y: text.at.1,
-            content: text.text.clone(),
-            size: text.size,
-            anchor: match text.side {
-                Side::Right => TextAnchor::Start,
-                Side::Middle => TextAnchor::Middle,
-                Side::Left => TextAnchor::End,
-            },
-            rotate: (text.turn != 0.0).then_some(text.turn),
-            bold: false,
-            color: Some(colour(text.fill)),
-        },
-    }
-}
-
-fn colour((red, green, blue): Rgb) -> Color {
-    Color::Rgb(red, green, blue)
-}
-
-/// A closed polygon as SVG writes it, to a hundredth of a pixel.
-fn path(polygon: &[Place]) -> String {
-    use std::fmt::Write as _;
-    let mut text = String::new();
-    for (i, (x, y)) in polygon.iter().enumerate() {
-        // Writing to a string cannot fail.
-        let _ = write!(text, "{}{x:.2},{y:.2}", if i == 0 { 'M' } else { 'L' });
-    }
-    text + "Z"
 }

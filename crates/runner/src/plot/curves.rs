@@ -1,7 +1,5 @@
 //! Curves along an axis with their intervals.
 
-use kuva::plot::colormap::ColorMap;
-
 use crate::job::Job;
 use crate::picture::panels::drawn_slices;
 use crate::picture::view::{GridView, rounded};
@@ -124,5 +122,5 @@ impl Curves<'_> {
 /// Colours of curves, from dark to light.
 fn colour_of(curve: usize, of: usize) -> Rgb {
     let share = 0.1 + 0.75 * curve as f64 / of.max(2) as f64;
-    ColorMap::Viridis.map_rgb(share).unwrap_or_default()
+    colorous::VIRIDIS.eval_continuous(share).as_tuple()
 }

@@ -1,7 +1,5 @@
 //! The difference of the probabilities of two runs: filled contours over two axes, curves with intervals over one.
 
-use kuva::plot::colormap::ColorMap;
-
 use crate::job::Job;
 use crate::picture::scale::Scale;
 use crate::picture::view::GridView;
@@ -102,7 +100,7 @@ fn levels() -> Vec<Level> {
 /// The colour of a band, from the lowest: blue below zero, nearly white about it, red above.
 fn colour(band: usize) -> Rgb {
     let share = 1.0 - band as f64 / (2 * LEVELS.len()) as f64;
-    ColorMap::RedBlue.map_rgb(share).unwrap_or_default()
+    colorous::RED_BLUE.eval_continuous(share).as_tuple()
 }
 
 #[cfg(test)]

@@ -8,6 +8,7 @@ use crate::output::output_file;
 use crate::plot::canvas::Canvas;
 use crate::plot::pdf::pdf;
 use crate::plot::png::png;
+use crate::plot::svg::svg;
 
 /// Widths of one and of two columns of a paper, 84 and 174 mm, in pixels.
 pub const WIDTHS: [f64; 2] = [84.0 / 25.4 * 96.0, 174.0 / 25.4 * 96.0];
@@ -19,7 +20,7 @@ pub const WIDTHS: [f64; 2] = [84.0 / 25.4 * 96.0, 174.0 / 25.4 * 96.0];
 pub fn write(canvas: &Canvas, file: &Path) -> Result<(), Failure> {
     let is_named = |name: &str| file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(name));
     let bytes = if is_named("svg") {
-        Ok(canvas.svg())
+        Ok(svg(canvas).into_bytes())
     } else if is_named("pdf") {
         pdf(canvas)
     } else {

@@ -1,6 +1,5 @@
 //! The levels at which probabilities are drawn, and their colours.
 
-use kuva::plot::colormap::ColorMap;
 use stickslip_sampler::special_functions::normal;
 
 use crate::plot::canvas::Rgb;
@@ -56,7 +55,7 @@ impl Levels {
     /// The colour of a band: pale where nothing is unstable, dark where everything is.
     pub fn colour(&self, band: usize) -> Rgb {
         let share = 1.0 - band as f64 / (self.bands() - 1) as f64;
-        ColorMap::Viridis.map_rgb(share).unwrap_or_default()
+        colorous::VIRIDIS.eval_continuous(share).as_tuple()
     }
 }
 

@@ -1,9 +1,11 @@
 //! Plots of results for papers and slides, as SVG, PDF and PNG.
 //!
-//! Everything is drawn by the same few shapes on a [`canvas`], so that all plots look alike. The crate kuva writes them as
-//! SVG; pages and images have a font that is part of the program.
+//! Everything is drawn by the same few shapes on a [`canvas`], so that all plots look alike. Pages and images
+//! have a font that is part of the program.
 
 pub mod canvas;
+
+pub mod svg;
 
 pub mod font;
 

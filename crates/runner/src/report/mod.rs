@@ -24,8 +24,9 @@ use self::facts::facts;
 pub use self::run::{PICTURE_WIDTH, Picture, PictureKind, ReportedRun};
 use crate::failure::Failure;
 use crate::job::reduction::Reduction;
-use crate::output::{printable, quoted};
+use crate::output::quoted;
 use crate::picture::answer::answer;
+use crate::plot::svg::{self, escaped};
 use crate::version::VERSION;
 
 const PAGE: &str = include_str!("page.html");
@@ -155,7 +156,7 @@ fn pictures(runs: &[ReportedRun], kind: PictureKind) -> String {
     for run in runs {
         let model = run.values.job.model();
         for Picture { canvas, .. } in run.pictures.iter().filter(|picture| picture.kind == kind) {
-            let element = canvas.element(&kind.alternative(model));
+            let element = svg::element(canvas, &kind.alternative(model));
             shown += &format!("{}<div class=\"picture\">{element}</div>", heading(run, runs.len() > 1));
             note = kind.note(model);
         }
@@ -262,9 +263,4 @@ pub fn reconstructed() -> String {
 /// An element with text; without text nothing.
 fn element(name: &str, attributes: &str, text: &str) -> String {
     if text.is_empty() { String::new() } else { format!("<{name} {attributes}>{}</{name}>", escaped(text)) }
-}
-
-/// Text for HTML.
-pub fn escaped(text: &str) -> String {
-    printable(text).replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

@@ -6,7 +6,8 @@ use crate::failure::Failure;
 use crate::output::without_colours;
 use crate::plot::canvas::Canvas;
 use crate::plot::chart;
-use crate::report::{STYLE, escaped, filled, reconstructed};
+use crate::plot::svg::{self, escaped};
+use crate::report::{STYLE, filled, reconstructed};
 use crate::target::Target;
 use crate::version::VERSION;
 
@@ -101,7 +102,7 @@ fn paragraph(text: &str) -> String {
 
 /// A picture with its text behind it.
 fn figure(canvas: &Canvas, kind: &str, description: &str, text: &str) -> String {
-    let svg = canvas.element(&escaped(&without_colours(description)));
+    let svg = svg::element(canvas, &without_colours(description));
     let text = escaped(without_colours(text).trim_matches('\n'));
     format!(
         "<figure class=\"{kind}\">{svg}<details><summary>As text</summary><p>{}</p><pre tabindex=\"0\">{text}</pre></details></figure>\n",

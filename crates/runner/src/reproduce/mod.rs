@@ -1,4 +1,4 @@
-//! The paper's tables and figures again, from the job specs in `jobs/`, and oscillators and models given by matrices that others published.
+//! The paper's tables and figures again, from the job specs in `jobs/`.
 
 mod preset;
 
@@ -20,10 +20,6 @@ mod spectra;
 
 mod score;
 
-mod external;
-
-mod matrices;
-
 mod scoreboard;
 
 mod printed;
@@ -43,6 +39,7 @@ use crate::files::publish::publish;
 use crate::interrupt::Interrupt;
 use crate::job::JobSource;
 use crate::output::result;
+use crate::plot::svg::svg;
 use crate::target::Target;
 
 /// Width of figures, two columns of a paper: 174 mm in pixels.
@@ -92,8 +89,6 @@ fn one(target: Target, arguments: &ReproduceArguments, interrupt: &Interrupt) ->
         (Target::Fig12 | Target::Fig13, Some(run)) => scatter::scattered_input(&run)?,
         (_, Some(run)) => figures::surface(&run)?,
         (Target::Fig6, None) => bifurcation::diagram(&directory)?,
-        (Target::External, None) => external::oscillators(&directory, arguments, interrupt)?,
-        (Target::Matrices, None) => matrices::problems(&arguments.matrices)?,
         (Target::Scoreboard, None) => scoreboard::scoreboard()?,
         (Target::Fig10 | Target::Fig11, None) => spectra::figure(target, &directory)?,
         (_, None) => motions::figure(target, &directory)?,
@@ -101,7 +96,7 @@ fn one(target: Target, arguments: &ReproduceArguments, interrupt: &Interrupt) ->
     let mut text: String = parts.iter().map(Part::shown).collect();
     if let Some(figure) = figure(&parts, WIDTH)? {
         let name = format!("{}.svg", target.name());
-        publish(&directory, &name, &figure.svg())?;
+        publish(&directory, &name, svg(&figure).as_bytes())?;
         text += &format!("figure: {}\n", directory.join(name).display());
     }
     result(&text)?;

@@ -23,8 +23,6 @@ pub fn name(target: Target) -> &'static str {
         Target::Fig14d => "Figure 14d: surface at 20 rad/s",
         Target::Fig15a => "Figure 15a: surface with standard deviation 0.1",
         Target::Fig15b => "Figure 15b: surface with standard deviation 0.3",
-        Target::External => "Two oscillators that others published",
-        Target::Matrices => "Models given by matrices that others published",
         Target::Scoreboard | Target::All => "Scoreboard",
     }
 }
@@ -76,8 +74,6 @@ pub fn statements(target: Target) -> &'static [&'static str] {
         Target::Fig14d => &["20 rad/s, scatter 0.2.", "The stable region is wider than at lower speeds."],
         Target::Fig15a => &["15 rad/s, scatter 0.1.", "The text prints no number of it."],
         Target::Fig15b => &["15 rad/s, scatter 0.3.", "The text prints no number of it."],
-        Target::External => &["Not from this paper: the numbers of the authors named here, and of SciPy."],
-        Target::Matrices => &["Not from this paper: formulas, and the numbers of the authors named in the tables."],
         Target::Scoreboard | Target::All => &[],
     }
 }

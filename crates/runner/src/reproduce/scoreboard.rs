@@ -5,7 +5,6 @@ use std::f64::consts::TAU;
 use stickslip_sampler::integrate::NormalPair;
 use stickslip_sampler::integrate::closed_form;
 
-use super::external;
 use super::motions;
 use super::part::Part;
 use super::preset::brake_at;
@@ -35,14 +34,7 @@ pub fn scoreboard() -> Result<Vec<Part>, Failure> {
         With 16.56, Table 3 and the range of Table 2 cannot both hold. The pad frequency\n\
         (0.23 Hz) and the amplitude (0.02) contradict each other: no radius b gives\n\
         both, ours is the compromise.\n";
-    text += "\nTwo friction oscillators that others published (see reproduce external); nothing\n\
-        was fitted to them.\n\n";
-    Ok(vec![
-        Part::text(introduction),
-        Part::Table(score::table("", "printed in the paper", "paper", "our set", &scores)),
-        Part::Text(text),
-        Part::Table(external::score_table()?),
-    ])
+    Ok(vec![Part::text(introduction), Part::Table(score::table(&scores)), Part::Text(text)])
 }
 
 fn scores() -> Result<Vec<Score>, Failure> {

@@ -16,7 +16,7 @@ use rustix::fs::{AtFlags, Mode, OFlags, fstat, statat};
 use rustix::io::Errno;
 
 use crate::failure::Failure;
-use crate::files::folder::Folder;
+use crate::files::folder::{Folder, host};
 use crate::output::note;
 use crate::store::clock::in_words;
 
@@ -127,7 +127,7 @@ impl Lock {
         }
         let since = in_words(SystemTime::now());
         let call = call();
-        let line = format!("{} {} {since} {call}\n", process::id(), gethostname::gethostname().to_string_lossy());
+        let line = format!("{} {} {since} {call}\n", process::id(), host());
         if access == Access::Alone {
             let _ = self.file.set_len(0);
         }
@@ -223,7 +223,7 @@ pub fn in_use(folder: &Folder, how: &str) -> Failure {
 fn holders(folder: &Folder) -> String {
     let mut text = String::new();
     let read = folder.open_file(LOCK).and_then(|file| file.take(MOST).read_to_string(&mut text));
-    let here = gethostname::gethostname().to_string_lossy().into_owned();
+    let here = host();
     let mut holders: Vec<Holder<'_>> = match read {
         Ok(_) => text.lines().filter_map(Holder::parse).filter(|holder| !holder.has_ended(&here)).collect(),
         Err(_) => Vec::new(),
@@ -347,7 +347,7 @@ mod tests {
     #[test]
     fn only_those_that_may_still_work_are_named() {
         let (directory, folder) = folder();
-        let here = gethostname::gethostname().to_string_lossy().into_owned();
+        let here = host();
         let lines = format!("4194999 {here} t stickslip submit a\n1 elsewhere t2 stickslip submit b\nbroken\n");
         std::fs::write(directory.path().join(LOCK), lines).unwrap();
         assert_eq!(holders(&folder), "process 1 on elsewhere since t2 (`stickslip submit b`)");

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::evaluate::sums::Lookups;
 use crate::failure::Failure;
+use crate::files::folder::host;
 use crate::store::clock::in_words;
 use crate::store::directory::RunDirectory;
 use crate::store::layout::RECORD;
@@ -62,7 +63,7 @@ impl Session {
             maps: None,
             lookups: None,
             threads,
-            host: gethostname::gethostname().to_string_lossy().into_owned(),
+            host: host(),
             version: version::VERSION.to_owned(),
             build: format!(
                 "{} for {}",

@@ -23,9 +23,6 @@ use crate::models::pad_on_disc::rigid_disc::unstable_cycle::{Surrounding, Unstab
 /// How often a motion may meet the disc's speed before its fate is known.
 const MOST_MEETINGS: usize = 1000;
 
-/// Points of the outline of a basin: its chords miss some 1e-8 of the area.
-const OUTLINE: usize = 20_000;
-
 /// Which motions return to steady sliding on a rigid disc.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Basin {
@@ -65,15 +62,6 @@ impl Knock {
     pub fn displacement(&self) -> f64 {
         self.outward.min(self.inward)
     }
-}
-
-/// A rectangle of starts: ranges of x and x', scaled.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Window {
-    /// Smallest and largest x.
-    pub tangential: (f64, f64),
-    /// Smallest and largest x'.
-    pub speed: (f64, f64),
 }
 
 impl Basin {
@@ -128,30 +116,6 @@ impl PadOnDisc {
                     Surrounding::Cycle(cycle) => Basin::Inside(cycle),
                     Surrounding::Unresolved => Basin::Unresolved,
                 }
-            }
-        }
-    }
-
-    /// The boundary of the basin as a polygon of points `(x, x')`, scaled; `None` where it has none.
-    #[must_use]
-    pub fn basin_outline(&self) -> Option<Vec<(f64, f64)>> {
-        match self.basin() {
-            Basin::Inside(cycle) => Some(self.planar_motion().outline(&cycle, OUTLINE)),
-            Basin::Nothing | Basin::Everything | Basin::Unresolved => None,
-        }
-    }
-
-    /// The share of a window of starts that lies in the basin, to 1e-7; `None` if the basin was not found.
-    #[must_use]
-    pub fn share_in_basin(&self, window: &Window) -> Option<f64> {
-        match self.basin() {
-            Basin::Nothing => Some(0.0),
-            Basin::Everything => Some(1.0),
-            Basin::Unresolved => None,
-            Basin::Inside(cycle) => {
-                let outline = self.planar_motion().outline(&cycle, OUTLINE);
-                let ((left, right), (low, high)) = (window.tangential, window.speed);
-                Some(area(&clipped(outline, window)) / ((right - left) * (high - low)))
             }
         }
     }
@@ -238,36 +202,6 @@ impl PlanarMotion {
         }
         Fate::Unresolved
     }
-}
-
-/// The part of a polygon inside a window (Sutherland and Hodgman's method).
-fn clipped(polygon: Vec<(f64, f64)>, window: &Window) -> Vec<(f64, f64)> {
-    let ((left, right), (low, high)) = (window.tangential, window.speed);
-    let mut polygon = polygon;
-    let sides: [&dyn Fn((f64, f64)) -> f64; 4] =
-        [&|(x, _)| x - left, &|(x, _)| right - x, &|(_, u)| u - low, &|(_, u)| high - u];
-    for inside in sides {
-        let mut kept = Vec::with_capacity(polygon.len());
-        let before = polygon.iter().cycle().skip(polygon.len().saturating_sub(1));
-        for (&a, &b) in before.zip(&polygon) {
-            let (at_a, at_b) = (inside(a), inside(b));
-            if (at_a >= 0.0) != (at_b >= 0.0) {
-                let share = at_a / (at_a - at_b);
-                kept.push((a.0 + share * (b.0 - a.0), a.1 + share * (b.1 - a.1)));
-            }
-            if at_b >= 0.0 {
-                kept.push(b);
-            }
-        }
-        polygon = kept;
-    }
-    polygon
-}
-
-/// The area of a polygon.
-fn area(polygon: &[(f64, f64)]) -> f64 {
-    let next = polygon.iter().cycle().skip(1);
-    0.5 * polygon.iter().zip(next).map(|(a, b)| a.0 * b.1 - b.0 * a.1).sum::<f64>().abs()
 }
 
 #[cfg(test)]

@@ -117,6 +117,7 @@ impl PlanarMotion {
     }
 
     /// Points of a cycle, in turn, as `(x, x')`: at least `points`, the first one at its largest x.
+    #[cfg(test)]
     pub fn outline(&self, cycle: &UnstableCycle, points: usize) -> Vec<(f64, f64)> {
         let mut outline = vec![(self.equilibrium() + cycle.outward, 0.0)];
         let longest = cycle.period / points as f64;

@@ -1,0 +1,113 @@
+//! A plot as SVG.
+
+use std::fmt::{self, Display};
+
+use crate::output::printable;
+use crate::plot::canvas::{Canvas, Pen, Place, Rgb, Shape, Side, Text};
+
+/// What browsers and other readers have as a sans-serif font.
+const FONTS: &str = "DejaVu Sans, Verdana, Arial, sans-serif";
+
+/// The plot as a file.
+pub fn svg(canvas: &Canvas) -> String {
+    with_attributes(canvas, "")
+}
+
+/// The plot as an element of an HTML page, which has the text `label` for readers who do not see it.
+pub fn element(canvas: &Canvas, label: &str) -> String {
+    with_attributes(canvas, &format!("role=\"img\" aria-label=\"{}\" ", escaped(label)))
+}
+
+fn with_attributes(canvas: &Canvas, attributes: &str) -> String {
+    let (width, height) = (canvas.width, canvas.height);
+    let shapes: String = canvas.shapes.iter().map(shape).collect();
+    // With its own coordinates a browser can scale the plot.
+    format!(
+        "<svg {attributes}viewBox=\"0 0 {width} {height}\" xmlns=\"http://www.w3.org/2000/svg\" width=\"{}\" \
+         height=\"{}\" font-family=\"{FONTS}\"><rect width=\"100%\" height=\"100%\" fill=\"#ffffff\" />{shapes}</svg>",
+        Hundredths(width),
+        Hundredths(height)
+    )
+}
+
+fn shape(shape: &Shape) -> String {
+    match shape {
+        Shape::Line { from, to, pen } => {
+            let [x1, y1, x2, y2] = [from.0, from.1, to.0, to.1].map(Hundredths);
+            format!("<line x1=\"{x1}\" y1=\"{y1}\" x2=\"{x2}\" y2=\"{y2}\" {} />", stroke(*pen))
+        }
+        Shape::Lines { points, pen } => {
+            let step = |(i, &(x, y)): (usize, &Place)| {
+                format!("{} {} {} ", if i == 0 { 'M' } else { 'L' }, Hundredths(x), Hundredths(y))
+            };
+            let path: String = points.iter().enumerate().map(step).collect();
+            format!("<path d=\"{path}\" {} fill=\"none\" />", stroke(*pen))
+        }
+        Shape::Area { polygons, fill, opacity, line } => {
+            let path: String = polygons.iter().map(|polygon| closed(polygon)).collect();
+            let line = if *line > 0.0 { format!(" {}", stroke(Pen::new(*fill, *line))) } else { String::new() };
+            let opacity =
+                if *opacity < 1.0 { format!(" fill-opacity=\"{}\"", Hundredths(*opacity)) } else { String::new() };
+            format!("<path d=\"{path}\"{line} fill=\"{}\"{opacity} />", Colour(*fill))
+        }
+        Shape::Dot { at, radius, fill } => {
+            let [x, y, radius] = [at.0, at.1, *radius].map(Hundredths);
+            format!("<circle cx=\"{x}\" cy=\"{y}\" r=\"{radius}\" fill=\"{}\" />", Colour(*fill))
+        }
+        Shape::Text(words) => text(words),
+    }
+}
+
+fn text(words: &Text) -> String {
+    let [x, y] = [words.at.0, words.at.1].map(Hundredths);
+    let anchor = match words.side {
+        Side::Right => "start",
+        Side::Middle => "middle",
+        Side::Left => "end",
+    };
+    let turn = if words.turn == 0.0 {
+        String::new()
+    } else {
+        format!(" transform=\"rotate({},{x},{y})\"", Hundredths(words.turn))
+    };
+    format!(
+        "<text x=\"{x}\" y=\"{y}\" font-size=\"{}\" text-anchor=\"{anchor}\" fill=\"{}\"{turn}>{}</text>",
+        words.size,
+        Colour(words.fill),
+        escaped(&words.text)
+    )
+}
+
+/// Text for SVG and HTML.
+pub fn escaped(text: &str) -> String {
+    printable(text).replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+/// A closed polygon.
+fn closed(polygon: &[Place]) -> String {
+    let step = |(i, &(x, y)): (usize, &Place)| format!("{}{x:.2},{y:.2}", if i == 0 { 'M' } else { 'L' });
+    polygon.iter().enumerate().map(step).collect::<String>() + "Z"
+}
+
+fn stroke(pen: Pen) -> String {
+    format!("stroke=\"{}\" stroke-width=\"{}\"", Colour(pen.colour), Hundredths(pen.width))
+}
+
+struct Colour(Rgb);
+
+impl Display for Colour {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (red, green, blue) = self.0;
+        write!(f, "#{red:02x}{green:02x}{blue:02x}")
+    }
+}
+
+/// A number to two decimals, without zeros at its end.
+struct Hundredths(f64);
+
+impl Display for Hundredths {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        // The sum makes -0 a 0.
+        write!(f, "{}", (self.0 * 100.0).round() / 100.0 + 0.0)
+    }
+}
