@@ -1,10 +1,14 @@
-"""What the program says on standard error: one JSON object a line, as docs/reference/command-line.md describes them."""
+"""What the program says on standard error: one JSON object a line, as docs/reference/command-line.md describes them, in
+the terms of this package.
+"""
 
 from __future__ import annotations
 
 import json
 from dataclasses import dataclass
 from typing import Any
+
+from ._words import in_python, remedy_in_python
 
 #: The codes of messages that are no failure, beside ``progress`` and ``warning``.
 NOTES = frozenset({"note", "file-written", "run-finished", "run-apart", "interrupting"})
@@ -26,6 +30,13 @@ def parsed(line: bytes) -> Message:
     text = line.decode(errors="replace")
     try:
         sent = json.loads(text)
-        return Message(sent["code"], sent["text"], sent.get("place"), sent.get("remedy"), sent.get("progress"))
+        remedy = sent.get("remedy")
+        return Message(
+            sent["code"],
+            in_python(sent["text"]),
+            sent.get("place"),
+            remedy_in_python(remedy) if remedy else None,
+            sent.get("progress"),
+        )
     except (ValueError, KeyError, TypeError):
         return Message(None, text)

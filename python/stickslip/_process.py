@@ -90,7 +90,7 @@ def call(
     Interrupted
         If Ctrl-C ended it.
     """
-    command = [as_word(word) for word in (program(), "--messages=python", *arguments)]
+    command = [as_word(word) for word in (program(), "--messages=json", *arguments)]
     running = _Program()
     display = Display(sys.stderr if progress else None)
     received: list[Message] = []

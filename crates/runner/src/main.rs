@@ -5,8 +5,6 @@
 
 mod shell;
 
-mod python_terms;
-
 mod messages;
 
 mod memory;

@@ -1,5 +1,5 @@
 //! Messages: everything on standard error, as lines for people, or with `--messages json` as one JSON object a line for
-//! programs, with `--messages python` for the Python package. Only this module knows which.
+//! programs. Only this module knows which.
 
 use std::ffi::{OsStr, OsString};
 use std::io::{self, IsTerminal as _, Write as _};
@@ -9,7 +9,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use clap::ValueEnum;
 use serde::{Serialize, Serializer};
 
-use crate::python_terms::{in_python, remedy_in_python};
 use crate::shell::{shown, without_controls};
 
 /// The form that messages take.
@@ -19,18 +18,14 @@ pub enum Form {
     Text,
     /// One JSON object a line, for programs
     Json,
-    /// The same for the Python package: calls and arguments in place of commands and options
-    Python,
 }
 
-/// Whether the form is JSON, and whether it is that for Python.
+/// Whether the form is JSON.
 static IS_JSON: AtomicBool = AtomicBool::new(false);
-static IS_PYTHON: AtomicBool = AtomicBool::new(false);
 
 /// Chooses the form of all messages from now on.
 pub fn choose(form: Form) {
-    IS_JSON.store(form != Form::Text, Ordering::Relaxed);
-    IS_PYTHON.store(form == Form::Python, Ordering::Relaxed);
+    IS_JSON.store(form == Form::Json, Ordering::Relaxed);
 }
 
 /// Whether messages are JSON.
@@ -41,15 +36,9 @@ pub fn are_json() -> bool {
 /// The form that the words of a command line ask for which cannot be parsed.
 pub fn form_of(words: impl Iterator<Item = OsString>) -> Form {
     let options: Vec<OsString> = words.take_while(|word| word != "--").collect();
-    let is = |name: &str| {
-        let joined = OsString::from(format!("--messages={name}"));
-        options.contains(&joined) || options.windows(2).any(|pair| pair == [OsStr::new("--messages"), OsStr::new(name)])
-    };
-    match (is("json"), is("python")) {
-        (true, _) => Form::Json,
-        (_, true) => Form::Python,
-        _ => Form::Text,
-    }
+    let is_json = options.contains(&OsString::from("--messages=json"))
+        || options.windows(2).any(|pair| pair == [OsStr::new("--messages"), OsStr::new("json")]);
+    if is_json { Form::Json } else { Form::Text }
 }
 
 /// Declares the codes with their names. docs/reference/command-line.md says what they mean.
@@ -192,15 +181,8 @@ impl Message {
 
     fn send_after(&self, before: &str) {
         let line = if are_json() {
-            let in_python = IS_PYTHON.load(Ordering::Relaxed).then(|| Self {
-                text: in_python(&self.text),
-                remedy: self.remedy.as_deref().map(remedy_in_python),
-                place: self.place.clone(),
-                progress: self.progress.clone(),
-                code: self.code,
-            });
             // It has nothing that JSON cannot hold.
-            serde_json::to_string(in_python.as_ref().unwrap_or(self)).unwrap_or_default() + "\n"
+            serde_json::to_string(self).unwrap_or_default() + "\n"
         } else {
             let kind = if self.code == Code::Warning { "warning: " } else { "" };
             format!("{before}stickslip: {kind}{}\n", self.text)
@@ -228,7 +210,6 @@ mod tests {
         let form = |words: &str| form_of(words.split(' ').map(OsString::from));
         assert_eq!(form("stickslip --messages json submit --thread"), Form::Json);
         assert_eq!(form("stickslip submit x --messages=json"), Form::Json);
-        assert_eq!(form("stickslip --messages=python submit x"), Form::Python);
         assert_eq!(form("stickslip submit --messages text json"), Form::Text);
         assert_eq!(form("stickslip submit -- --messages=json"), Form::Text);
     }
