@@ -160,10 +160,8 @@ def predicted(said: str) -> Optional[Predicted]:
     lines = [line for line in said.splitlines() if line.startswith("# ")]
     of_maps = [line for line in lines if "verdict map" in line and "measured on" in line]
     audits = [line for line in lines if "for its audit" in line]
-    is_given_up = "it will be given up" in said
     if of_maps:
-        each = [line for line in lines if "if each is simulated" in line]
-        parts = (each if is_given_up else of_maps) + ([] if is_given_up else audits)
+        parts = of_maps + audits
     else:
         parts = [line for line in lines if " samples, " in line or " sample, " in line or "populations" in line]
     found = [time for line in parts for time in times(line)[-1:]]

@@ -304,7 +304,7 @@ fn cells_are_matched_by_their_values() {
 fn exchange_verdicts(piece: &Path) {
     let exchange = |code: &mut Value| *code = (1 - code.as_i64().unwrap()).into();
     change_piece(piece, |lines| {
-        for node in lines[1..].iter_mut().flat_map(|tile| tile[4].as_array_mut().unwrap()) {
+        for node in lines[1..].iter_mut().flat_map(|tile| tile[3].as_array_mut().unwrap()) {
             if let Some(code) = node.get_mut("uniform") {
                 exchange(code);
             } else if let Some(curve) = node.get_mut("crossed") {

@@ -173,26 +173,6 @@ fn sobol_indices_do_not_attribute_failed_samples_to_an_input() {
 const FROM_REST: &str = "kind = \"time-domain\"\ndisc = \"rigid\"\nstart = \"rest\"";
 
 #[test]
-fn a_run_that_gave_its_map_up_is_extended_without_a_map() {
-    let place = Place::new();
-    let text = job("few", FROM_REST, BOTH, "samples = 400\nevaluate = \"boundary\"");
-    place.write("few.toml", &text);
-    let outcome = place.run("submit few.toml --out few").done();
-    assert!(outcome.stderr.contains("the verdict map is given up"), "{}", outcome.stderr);
-    let outcome = place.run("submit few.toml --out few --samples 5000").done();
-    assert!(outcome.stderr.contains("submit the job into another directory with --out"), "{}", outcome.stderr);
-    assert!(outcome.stdout.contains("every sample was simulated"), "{}", outcome.stdout);
-    let extended = Table::read(&place.path("few/surface.parquet"));
-    let each = submitted(&place, "each", &job("each", FROM_REST, BOTH, "samples = 5000"));
-    for column in each.names() {
-        assert_eq!(each.column(column), extended.column(column), "{column}");
-    }
-    // With all samples from the start, it has a map and an audit.
-    let outcome = place.run("submit few.toml --out direct --samples 5000").done();
-    assert!(outcome.stdout.contains("audit: 0 of 9,000 differed"), "{}", outcome.stdout);
-}
-
-#[test]
 fn a_half_width_is_shared_with_the_audit_of_a_map() {
     let place = Place::new();
     let text = |sampling: &str| job("u", FROM_REST, BOTH, &format!("{sampling}\nevaluate = \"boundary\""));
@@ -224,16 +204,13 @@ fn a_half_width_is_shared_with_the_audit_of_a_map() {
 fn replay_distinguishes_looked_up_from_simulated_verdicts() {
     let place = Place::new();
     submitted(&place, "map", &job("map", FROM_REST, BOTH, "samples = 3000\nevaluate = \"boundary\""));
-    submitted(&place, "few", &job("few", FROM_REST, BOTH, "samples = 100\nevaluate = \"boundary\""));
     let replayed = |words: &str| -> serde_json::Value {
         serde_json::from_str(&place.run(&format!("replay {words} --horizon 5 --json")).done().stdout).unwrap()
     };
     let looked_up = replayed("map --cell 7 --sample 2000");
     assert_eq!(looked_up["verdict_looked_up"], looked_up["verdict_in_run"]);
     assert_eq!(looked_up["verdict_simulated"], looked_up["verdict_in_run"]);
-    // An audited sample, and one of a run whose map was given up.
-    for simulated in ["map --cell 7 --sample 200", "few --cell 7 --sample 99"] {
-        let simulated = replayed(simulated);
-        assert!(simulated["verdict_in_run"].is_string() && simulated["verdict_looked_up"].is_null());
-    }
+    // An audited sample.
+    let simulated = replayed("map --cell 7 --sample 200");
+    assert!(simulated["verdict_in_run"].is_string() && simulated["verdict_looked_up"].is_null());
 }

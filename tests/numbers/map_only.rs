@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on should say so and stop")]
 
-use crate::common::{BOTH, EIGENVALUE, Place, job, wait_for};
+use crate::common::{BOTH, EIGENVALUE, Place, Table, job, wait_for};
 
 const FROM_REST: &str = "kind = \"time-domain\"\ndisc = \"rigid\"\nstart = \"rest\"";
 
@@ -51,25 +51,23 @@ fn a_map_that_is_integrated_over_is_resolved_in_shares() {
     assert!(place.surface("run") == place.surface("whole"));
 }
 
+/// A map is made as it is asked for, also where its simulations are more than the samples. `check` says both costs before.
 #[test]
-fn a_map_that_is_too_costly_is_seen_in_its_tiles() {
+fn a_map_for_few_samples_is_resolved_as_well() {
     let place = Place::new();
-    place.write("job.toml", &job("job", FROM_REST, BOTH, "samples = 40\nevaluate = \"boundary\"\naudit = 2"));
-    place.run("submit job.toml --out whole").done();
-    for shard in 1..=2 {
-        let said = place.run(&format!("submit job.toml --out run --map-only --shard {shard}/2 --threads 1")).done();
-        assert!(said.stderr.contains("the verdict map is given up"), "{}", said.stderr);
+    let text = job("job", FROM_REST, BOTH, "samples = 40\nevaluate = \"boundary\"\naudit = 2");
+    place.write("job.toml", &text);
+    let checked = place.run("check job.toml").done().stdout;
+    for words in ["for the verdict map of ", "60 simulations for its audit", "if each is simulated: 1,200 samples"] {
+        assert!(checked.contains(words), "{words}: {checked}");
     }
-    let there = tiles(&place, "run");
-    for shard in 1..=2 {
-        let said = place.run(&format!("submit job.toml --out run --shard {shard}/2")).done().stderr;
-        // The second finds samples that were simulated for this reason.
-        let why = if shard == 1 { "the verdict map is given up" } else { "as a verdict map would have cost more" };
-        assert!(said.contains(why) && !said.contains("of them new"), "{said}");
-    }
-    assert!(there > 0 && tiles(&place, "run") == there, "tiles were resolved again");
-    place.run("merge run").done();
-    assert!(place.surface("run") == place.surface("whole"));
+    let said = place.run("submit job.toml --out map").done().stderr;
+    assert!(said.contains("verdict map: ") && tiles(&place, "map") > 0, "{said}");
+    place.write("each.toml", &text.replace("evaluate = \"boundary\"\naudit = 2", ""));
+    place.run("submit each.toml --out each").done();
+    let [map, each] = ["map", "each"].map(|run| Table::read(&place.path(&format!("{run}/surface.parquet"))));
+    assert_eq!(map.column("p_unstable"), each.column("p_unstable"));
+    assert!(map.column("n_simulated").iter().sum::<f64>() < 600.0, "looked up");
 }
 
 #[test]

@@ -202,45 +202,6 @@ fn samples_in_undecided_regions_are_simulated() {
 }
 
 #[test]
-fn a_map_that_costs_more_than_the_samples_is_given_up() {
-    let place = Place::new();
-    let undamped = |text: String| text.replace("[axes]", "[model.damping]\ntangential = 0.0\n\n[axes]");
-    for (name, text) in [
-        ("undamped", undamped(job("undamped", RIGID, BOTH, "SAMPLING"))),
-        ("short", job("short", &format!("{FROM_REST}\nhorizon = 3.0"), BOTH, "SAMPLING")),
-        ("few", job("few", FROM_REST, BOTH, "SAMPLING")),
-    ] {
-        let sampled = |how: &str| text.replace("SAMPLING", &format!("samples = 100\n{how}"));
-        let each = submitted(&place, &format!("{name}-each"), &sampled(""));
-        place.write("map.toml", &sampled("evaluate = \"boundary\"\naudit = 0.5"));
-        let said = place.run(&format!("submit map.toml --out {name} --threads 2")).done().stderr;
-        assert!(said.contains("the verdict map is given up after"), "{said}");
-        let table = Table::read(&place.path(&format!("{name}/surface.parquet")));
-        for column in each.names() {
-            assert_eq!(each.column(column), table.column(column), "{name}: {column}");
-        }
-        assert_eq!(table.column("n_simulated"), table.column("n_samples"));
-        assert!(table.column("n_audited").iter().all(|&n| n == 0.0));
-        // Two threads stop within a batch each.
-        let session = last_session(&place, name);
-        assert_eq!(session["map_given_up"].as_bool(), Some(true));
-        assert!(session["map_simulations"].as_u64() <= Some(3000 + 2 * 64), "{session}");
-        // With other threads and in shards, the surface is the same.
-        place.run(&format!("submit map.toml --out {name}-1 --threads 1")).done();
-        place.run(&format!("submit map.toml --out {name}-2 --shard 1/2")).done();
-        place.run(&format!("submit map.toml --out {name}-2 --shard 2/2")).done();
-        place.run(&format!("merge {name}-2")).done();
-        for run in ["-1", "-2"] {
-            assert!(place.surface(name) == place.surface(&format!("{name}{run}")), "{name}{run}");
-        }
-        let compared = place.run(&format!("compare {name} {name}-each")).done();
-        assert!(compared.stderr.contains("the verdict map is given up"), "{}", compared.stderr);
-        let checked = place.run("check map.toml").done().stdout;
-        assert!(checked.contains("takes 3,000 simulations; the map "), "{checked}");
-    }
-}
-
-#[test]
 fn a_flexible_disc_is_mapped_too() {
     let place = Place::new();
     let text = |sampling: &str| job("flexible", "kind = \"time-domain\"", BOTH, sampling);

@@ -32,9 +32,9 @@ pub fn check(arguments: &CheckArguments) -> Result<(), Failure> {
     warn(job.warnings());
     let threads = arguments.threads.count();
     let engine = Engine::new(threads)?;
-    let mut evaluator = Evaluator::new(&job)?;
+    let evaluator = Evaluator::new(&job)?;
     let cost = match (job.uses_maps(), job.draws_samples()) {
-        (true, _) => cost_of_maps(&mut evaluator, &engine, threads, begun)?,
+        (true, _) => cost_of_maps(&evaluator, &engine, threads, begun)?,
         (false, false) => {
             let how = match job.integrated() {
                 Some(place) => format!("critical values of {} are found instead", job.quantity(place).name),
@@ -135,19 +135,13 @@ fn cost_of_samples(job: &Job, trial: &SampleTrial, threads: usize) -> String {
     }
 }
 
-/// The cost of verdict maps, estimated from some of their tiles, and whether a run will use them.
-fn cost_of_maps(
-    evaluator: &mut Evaluator<'_>,
-    engine: &Engine,
-    threads: usize,
-    begun: Instant,
-) -> Result<Cost, Failure> {
+/// The cost of verdict maps, estimated from some of their tiles, and whether the samples cost less.
+fn cost_of_maps(evaluator: &Evaluator<'_>, engine: &Engine, threads: usize, begun: Instant) -> Result<Cost, Failure> {
     let job = evaluator.job();
-    engine.limit_maps(evaluator)?;
     let tiles = evaluator.maps().needed() as u64;
     let trial = engine.try_maps(evaluator, begun)?;
     let share = tiles as f64 / trial.tiles.max(1) as f64;
-    let [simulations, cost] = [trial.simulations, trial.cost].map(|count| (count as f64 * share) as u64);
+    let simulations = (trial.simulations as f64 * share) as u64;
     let seconds = trial.seconds * share / threads as f64;
     let map_time = Prediction::from_rate(seconds, trial.error);
     // A dropped tile counts with the cost until then.
@@ -176,25 +170,9 @@ fn cost_of_maps(
         return Ok(Cost { text, of_a_sample: None });
     }
     let each = cost_of_samples(job, &samples, threads);
-    let is_given_up = evaluator.maps().are_too_costly(cost);
-    let what_it_does = match (is_given_up, trial.unfinished) {
-        (true, _) => "the map takes more: it will be given up and each sample simulated",
-        (false, 0) => "the map takes fewer: samples will be looked up in it",
-        (false, _) => {
-            "the map may take fewer: samples will be looked up in it, unless it turns out to take more and is given up"
-        }
-    };
     // Simulations of a map lie near boundaries and may be slower than those of samples.
     let seconds_of_each = job.verdicts_of_samples() as f64 * samples.cost / threads as f64;
-    let hint = if !is_given_up && seconds_of_each < seconds {
-        "; but evaluate = \"each\" takes less time for this job"
-    } else {
-        ""
-    };
-    let text = format!(
-        "# {map}\n# {audit}\n# if each is simulated: {}# simulating each sample takes {}; {what_it_does}{hint}\n",
-        each.trim_start_matches("# "),
-        counted(job.verdicts_of_samples(), "simulation", "simulations"),
-    );
+    let hint = if seconds_of_each < seconds { "# evaluate = \"each\" takes less time for this job\n" } else { "" };
+    let text = format!("# {map}\n# {audit}\n# if each is simulated: {}{hint}", each.trim_start_matches("# "));
     Ok(Cost { text, of_a_sample: Some([samples.cost, samples.error.max(trial.error)]) })
 }

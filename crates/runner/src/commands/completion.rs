@@ -230,7 +230,7 @@ pub fn complete_audits(
     }
 }
 
-/// Completes the verdict maps that the missing samples or integrals need, or gives them up.
+/// Completes the verdict maps that the missing samples or integrals need.
 fn prepare_maps(
     engine: &Engine,
     evaluator: &mut Evaluator<'_>,
@@ -243,17 +243,6 @@ fn prepare_maps(
     let job = evaluator.job();
     let started = Instant::now();
     let is_incomplete = || Plan::new(tally, evaluator.parts(), job.unit_samples(), work.shard).units() > 0;
-    // The audit of a cell begins with its first sample, so a run that began without a map cannot be audited later.
-    if job.sampling.is_audited && Surface::new(job, tally).was_counted_without_map() {
-        if is_incomplete() {
-            note(format_args!(
-                "{}: the samples counted so far were simulated, as a verdict map would have cost more, and so are the others; for a map, submit the job into another directory with --out",
-                quoted(directory.path())
-            ));
-        }
-        evaluator.maps_mut().give_up();
-        return Ok(Outcome::Finished);
-    }
     match job.map_use() {
         MapUse::Integrate => {}
         MapUse::LookUp if is_incomplete() || lost_tiles(directory, job, tally)?.0 > 0 => {}
@@ -261,12 +250,8 @@ fn prepare_maps(
     }
     let completed = complete_maps(engine, evaluator, directory, work, interrupt)?;
     if completed.outcome == Outcome::Finished {
-        session.maps(completed.tiles, completed.simulations, completed.given_up.is_some());
-    }
-    let seconds = started.elapsed().as_secs_f64();
-    if let Some(why) = completed.why_given_up(job) {
-        note(format_args!("{why} ({seconds:.2} s)"));
-    } else if completed.outcome == Outcome::Finished {
+        let seconds = started.elapsed().as_secs_f64();
+        session.maps(completed.tiles, completed.simulations);
         note(format_args!(
             "verdict map: {} tiles from {} simulations, {} of them new ({seconds:.2} s)",
             HumanCount(evaluator.maps().needed() as u64),
@@ -299,18 +284,12 @@ fn complete_maps(
         }
     }
     let share = work.shard.filter(|_| work.is_map_only);
-    let mapping = Mapping { keep: Some(&own), borrowed, is_all: work.is_map_only, share };
+    let mapping = Mapping { keep: Some(&own), borrowed, share };
     engine.complete_maps(evaluator, mapping, interrupt)
 }
 
 /// Resolves the verdict maps of a job, or the share of a shard, and prints how to go on.
-pub fn map_only(
-    directory: &RunDirectory,
-    job: &Job,
-    tally: &Tally,
-    work: &Work<'_>,
-    interrupt: &Interrupt,
-) -> Result<(), Failure> {
+pub fn map_only(directory: &RunDirectory, job: &Job, work: &Work<'_>, interrupt: &Interrupt) -> Result<(), Failure> {
     let started = Instant::now();
     let path = quoted(directory.path());
     let submit = format!("stickslip submit {path}/job.toml --out {path}");
@@ -321,12 +300,6 @@ pub fn map_only(
         true => format!("`stickslip resume {path}`, or shard by shard with `{submit} --shard I/N`"),
         false => format!("`stickslip resume {path}`"),
     };
-    if job.sampling.is_audited && Surface::new(job, tally).was_counted_without_map() {
-        note(format_args!(
-            "{path}: its samples are simulated, as a verdict map would have cost more; go on with {next}"
-        ));
-        return Ok(());
-    }
     let engine = Engine::new(work.threads)?;
     let mut evaluator = Evaluator::new(job)?;
     let completed = complete_maps(&engine, &mut evaluator, directory, work, interrupt)
@@ -339,9 +312,7 @@ pub fn map_only(
     }
     let seconds = started.elapsed().as_secs_f64();
     let new = HumanCount(completed.simulations);
-    if let Some(why) = completed.why_given_up(job) {
-        note(format_args!("{why} ({seconds:.2} s); go on with {next}"));
-    } else if evaluator.maps().missing().is_empty() {
+    if evaluator.maps().missing().is_empty() {
         note(format_args!(
             "the verdict map is complete: {needed} tiles, {new} simulations now ({seconds:.2} s); go on with {next}"
         ));
@@ -354,11 +325,10 @@ pub fn map_only(
     Ok(())
 }
 
-/// The tiles of its verdict map that a run with all its samples has lost, and how many it needs; none of a map that was
-/// given up.
+/// The tiles of its verdict map that a run with all its samples has lost, and how many it needs.
 pub fn lost_tiles(directory: &RunDirectory, job: &Job, tally: &Tally) -> Result<(usize, usize), Failure> {
     let is_whole = Parts::new(job).are_complete(tally);
-    if job.map_use() != MapUse::LookUp || !is_whole || Surface::new(job, tally).was_counted_without_map() {
+    if job.map_use() != MapUse::LookUp || !is_whole {
         return Ok((0, 0));
     }
     let mut maps = Maps::new(job);
@@ -367,12 +337,7 @@ pub fn lost_tiles(directory: &RunDirectory, job: &Job, tally: &Tally) -> Result<
 }
 
 /// What evaluates samples of a cell of a run once more, with the verdict maps that the run used.
-pub fn evaluator_again<'a>(
-    directory: &RunDirectory,
-    job: &'a Job,
-    tally: &Tally,
-    cell: u64,
-) -> Result<Evaluator<'a>, Failure> {
+pub fn evaluator_again<'a>(directory: &RunDirectory, job: &'a Job, cell: u64) -> Result<Evaluator<'a>, Failure> {
     if cell >= job.cells() {
         return Err(Failure::Usage(format!("--cell {cell}: the run has cells 0 to {}", job.cells() - 1)));
     }
@@ -380,11 +345,7 @@ pub fn evaluator_again<'a>(
         return Err(Failure::Usage(why));
     }
     let mut evaluator = Evaluator::new(job)?;
-    if job.uses_maps() && Surface::new(job, tally).was_counted_without_map() {
-        evaluator.maps_mut().give_up();
-    } else {
-        directory.maps()?.map(|maps| map_pieces::load(evaluator.maps_mut(), &maps)).transpose()?;
-    }
+    directory.maps()?.map(|maps| map_pieces::load(evaluator.maps_mut(), &maps)).transpose()?;
     Ok(evaluator)
 }
 

@@ -153,7 +153,7 @@ fn evaluator<'a>(
     tally: &Tally,
     arguments: &ReplayArguments,
 ) -> Result<Evaluator<'a>, Failure> {
-    let evaluator = evaluator_again(directory, job, tally, arguments.cell)?;
+    let evaluator = evaluator_again(directory, job, arguments.cell)?;
     // A cell that stopped by precision has fewer samples than the job allows.
     let samples = if job.stops_by_precision() {
         evaluator.parts().counts(tally, arguments.cell).total()

@@ -38,7 +38,7 @@ pub fn samples(arguments: &SamplesArguments, interrupt: &Interrupt) -> Result<()
     let directory = RunDirectory::view(&arguments.run)?;
     let job = directory.job()?;
     let tally = directory.tally(&job)?;
-    let evaluator = evaluator_again(&directory, &job, &tally, arguments.cell)?;
+    let evaluator = evaluator_again(&directory, &job, arguments.cell)?;
     let counts = finished_counts(&evaluator, &tally, arguments)?;
     let file =
         arguments.out.clone().unwrap_or_else(|| arguments.run.join(format!("samples-{}.parquet", arguments.cell)));

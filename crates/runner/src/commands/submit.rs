@@ -62,7 +62,7 @@ pub fn submit(arguments: &SubmitArguments, interrupt: &Interrupt) -> Result<(), 
     let is_map_only = arguments.map_only;
     let work = Work { threads, shard, maps, is_map_only, command: "submit" };
     if is_map_only {
-        return map_only(&directory, &job, &state.into_tally(), &work, interrupt);
+        return map_only(&directory, &job, &work, interrupt);
     }
     match state {
         RunState::Finished(tally) if shard.is_none() => {

@@ -348,15 +348,6 @@ impl<'a> Evaluator<'a> {
         Some(FinishedUnit { part: cell, samples, counts, recorded, sums })
     }
 
-    /// Simulates the first samples of a cell.
-    pub(super) fn simulate_first(&self, cell: u64, samples: u64) -> Vec<Decision> {
-        let place = self.job.grid.cell(cell);
-        let mut drawing = Drawing::new(self.job, &place, 0, 0..samples, self.job.points());
-        let Some(chunk) = drawing.next_chunk(SIMULATED_CHUNK) else { return Vec::new() };
-        let all: Vec<usize> = (0..chunk.len()).collect();
-        self.criteria.decide(self.job, &place, chunk, &all, &|| false).unwrap_or_default()
-    }
-
     /// Decides samples, those outside the model as the job specifies; `None` if it is stopped before.
     fn decide(
         &self,

@@ -1,4 +1,4 @@
-//! The verdict maps of a job: the tiles that its samples need, and the limit of their cost.
+//! The verdict maps of a job, and the tiles that its samples need.
 
 use stickslip_sampler::grid::Cell;
 use stickslip_sampler::inputs::Marginal;
@@ -19,41 +19,20 @@ pub struct Maps {
     /// The tiles that the job's samples need, for each configuration.
     needed: Vec<Vec<TileIndex>>,
     maps: Vec<VerdictMap>,
-    /// Largest cost of all needed tiles. Beyond it, simulating the samples costs less than the maps and their audit.
-    most: Option<u128>,
 }
 
 impl Maps {
     /// The maps of a job, without tiles yet.
     pub fn new(job: &Job) -> Self {
         if !job.uses_maps() {
-            return Self { keys: Vec::new(), needed: Vec::new(), maps: Vec::new(), most: None };
+            return Self { keys: Vec::new(), needed: Vec::new(), maps: Vec::new() };
         }
         let configurations = || 0..job.grid.configurations();
         Self {
             keys: configurations().map(|index| job.map_key(index)).collect(),
             needed: configurations().map(|index| needed_tiles(job, index)).collect(),
             maps: configurations().map(|index| VerdictMap::new(origin(job, index))).collect(),
-            most: None,
         }
-    }
-
-    /// Limits the cost of all needed tiles.
-    pub fn limit(&mut self, most: u128) {
-        self.most = Some(most);
-    }
-
-    /// Whether maps of this cost cost more than simulating the samples.
-    ///
-    /// The answer depends on the sum over all needed tiles, and so on the job alone: not on threads, shards,
-    /// interruptions or the source of the tiles. The sum only grows, so a partial sum beyond the limit is enough.
-    pub fn are_too_costly(&self, cost: u64) -> bool {
-        self.most.is_some_and(|most| u128::from(cost) > most)
-    }
-
-    /// Gives the maps up, so that every sample is simulated.
-    pub fn give_up(&mut self) {
-        self.maps.clear();
     }
 
     /// The map of a brake of the grid; `None` if there are no maps.
@@ -89,11 +68,6 @@ impl Maps {
         self.maps.iter().map(|map| map.tiles().count()).sum()
     }
 
-    /// The cost of all tiles that are there, including those of earlier sessions and other runs.
-    pub fn cost(&self) -> u64 {
-        self.maps.iter().flat_map(VerdictMap::tiles).map(|(_, tile)| tile.cost).sum()
-    }
-
     /// The number of simulations behind all tiles that are there, including those of earlier sessions and other runs.
     pub fn simulations(&self) -> u64 {
         self.maps.iter().flat_map(VerdictMap::tiles).map(|(_, tile)| tile.questions).sum()
@@ -114,7 +88,7 @@ impl Maps {
         self.maps[brake].tile(index).is_none() && self.needed[brake].binary_search(&index).is_ok()
     }
 
-    /// Whether there are no maps: the job uses none, or they were given up.
+    /// Whether the job uses no maps.
     pub fn is_empty(&self) -> bool {
         self.maps.is_empty()
     }

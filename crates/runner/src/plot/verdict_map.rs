@@ -22,7 +22,6 @@ use crate::store::directory::RunDirectory;
 use crate::store::file_state::FileState;
 use crate::store::map_pieces;
 use crate::store::piece::REMEDY_OF_VERSIONS;
-use crate::tables::surface::Surface;
 
 /// Height of a panel over its width.
 const ASPECT: f64 = 0.78;
@@ -75,8 +74,6 @@ impl VerdictMaps {
                 format!(
                     "The run is of another version of stickslip, whose maps this one does not use. {REMEDY_OF_VERSIONS}"
                 )
-            } else if Surface::new(&job, &directory.tally(&job)?).was_counted_without_map() {
-                "The run gave its map up, because simulating the samples cost less".to_owned()
             } else if state == FileState::Sound {
                 format!("Files of map/ are lost or damaged; compute them again with `stickslip resume {}`", quoted(run))
             } else {

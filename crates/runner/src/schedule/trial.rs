@@ -4,7 +4,6 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-use stickslip_core::model::decision::Decision;
 use stickslip_core::model::verdict::VerdictCounts;
 use stickslip_sampler::draw::identity::BLOCK_SAMPLES;
 
@@ -13,7 +12,7 @@ use stickslip_core::model::IsStopped;
 use crate::evaluate::control::Control;
 use crate::evaluate::evaluator::Evaluator;
 use crate::evaluate::rare_events::searches_per_sample;
-use crate::evaluate::tiles::{MapTrial, cost_of};
+use crate::evaluate::tiles::MapTrial;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::job::Answer;
@@ -217,22 +216,20 @@ impl Engine {
             }
             let (configuration, index) = missing[turn as usize];
             let begun = Instant::now();
-            let (simulations, cost) = (AtomicU64::new(0), AtomicU64::new(0));
-            let count = |decisions: &[Decision]| {
-                simulations.fetch_add(decisions.len() as u64, Ordering::Relaxed);
-                cost.fetch_add(cost_of(decisions), Ordering::Relaxed);
+            let simulations = AtomicU64::new(0);
+            let count = |made| {
+                simulations.fetch_add(made, Ordering::Relaxed);
             };
             let tile = evaluator.resolve(configuration, index, count, &is_over);
-            Some((simulations.into_inner(), cost.into_inner(), begun.elapsed().as_secs_f64(), tile.is_some()))
+            Some((simulations.into_inner(), begun.elapsed().as_secs_f64(), tile.is_some()))
         };
         let mut trial = MapTrial::default();
         let mut costs = Mean::default();
         self.for_each_in_parallel(missing.len() as u64, &Interrupt::unwatched(), work, |result| {
-            let Some((simulations, cost, seconds, is_finished)) = result else { return };
+            let Some((simulations, seconds, is_finished)) = result else { return };
             trial.tiles += 1;
             trial.unfinished += u64::from(!is_finished);
             trial.simulations += simulations;
-            trial.cost += cost;
             trial.seconds += seconds;
             costs.add(seconds);
             let is_certain = costs.count() >= LEAST_BATCHES && costs.relative_error() <= ENOUGH;

@@ -77,8 +77,8 @@ pub fn write_all(maps: &Maps, folder: &Folder) -> Result<(), Failure> {
 /// Largest count, so that the sums over all tiles fit 64 bits.
 const MOST_COUNTED: u64 = 1 << 42;
 
-/// A tile as it is stored: its column and row, the number and the cost of its simulations, its boxes.
-type Stored = (u32, u32, u64, u64, Vec<StoredNode>);
+/// A tile as it is stored: its column and row, the number of its simulations, its boxes.
+type Stored = (u32, u32, u64, Vec<StoredNode>);
 
 /// A box as it is stored.
 #[derive(Serialize, Deserialize)]
@@ -109,13 +109,13 @@ fn stored(index: TileIndex, tile: &Tile) -> Stored {
         }
         Node::Unresolved => StoredNode::Unresolved,
     };
-    (index.column, index.row, tile.questions, tile.cost, tile.nodes().iter().map(node).collect())
+    (index.column, index.row, tile.questions, tile.nodes().iter().map(node).collect())
 }
 
 /// A tile from what is stored of it, if that is possible.
-fn tile((column, row, questions, cost, nodes): Stored) -> Result<(TileIndex, Tile), String> {
-    if column >= TILES || row >= TILES || questions > MOST_COUNTED || cost > MOST_COUNTED {
-        return Err("a tile is out of range, or its cost".to_owned());
+fn tile((column, row, questions, nodes): Stored) -> Result<(TileIndex, Tile), String> {
+    if column >= TILES || row >= TILES || questions > MOST_COUNTED {
+        return Err("a tile is out of range, or its number of simulations".to_owned());
     }
     let verdict = |code: StoredVerdict| VERDICTS.get(usize::from(code)).copied();
     let node = |node: StoredNode| {
@@ -132,7 +132,7 @@ fn tile((column, row, questions, cost, nodes): Stored) -> Result<(TileIndex, Til
         })
     };
     let nodes = nodes.into_iter().map(node).collect::<Option<_>>().ok_or("a box has no such verdict or abscissa")?;
-    let tile = Tile::from_nodes(nodes, questions, cost).ok_or("the boxes of a tile do not fit together")?;
+    let tile = Tile::from_nodes(nodes, questions).ok_or("the boxes of a tile do not fit together")?;
     Ok((TileIndex { column, row }, tile))
 }
 
@@ -167,7 +167,7 @@ mod tests {
     fn a_tile_reads_back_as_written() {
         let leaves = [Verdict::Stable, Verdict::Unstable, Verdict::Undecided].map(Node::Uniform);
         let nodes = vec![Node::Cut(1), leaves[0], leaves[1], leaves[2], Node::Unresolved];
-        let handmade = Tile::from_nodes(nodes, 77, 5).unwrap();
+        let handmade = Tile::from_nodes(nodes, 77).unwrap();
         let mut tiles = vec![(TileIndex { column: 5, row: 7 }, handmade)];
         tiles.extend((0..3).map(|row| TileIndex { column: 1, row }).map(|index| (index, resolved(index))));
         assert!(tiles.iter().any(|(_, tile)| tile.nodes().iter().any(|node| matches!(node, Node::Crossed(_)))));

@@ -41,9 +41,6 @@ struct MapUse {
     map_tiles: u64,
     /// Simulations of this session only.
     map_simulations: u64,
-    /// Whether the maps were given up, as they would have cost more than simulating the samples.
-    #[serde(default)]
-    map_given_up: bool,
 }
 
 #[derive(Debug, Default, Serialize, Deserialize)]
@@ -77,10 +74,9 @@ impl Session {
         }
     }
 
-    /// Records the tiles of the verdict maps, the simulations that this session made for them, and whether they were
-    /// given up.
-    pub fn maps(&mut self, map_tiles: u64, map_simulations: u64, map_given_up: bool) {
-        self.maps = Some(MapUse { map_tiles, map_simulations, map_given_up });
+    /// Records the tiles of the verdict maps, and the simulations that this session made for them.
+    pub fn maps(&mut self, map_tiles: u64, map_simulations: u64) {
+        self.maps = Some(MapUse { map_tiles, map_simulations });
     }
 
     /// Records how many samples of the run were simulated and audited, if it uses verdict maps.

@@ -84,7 +84,7 @@ impl<'a> Surface<'a> {
         }
         let integrated = self.integrated.get(cell as usize).copied();
         let lookups = integrated.map_or_else(|| self.layout.read_lookups(&sums), |integrated| integrated.lookups);
-        // If the map was given up or every sample audited, all were simulated.
+        // Where every sample was simulated or audited, none was looked up alone.
         let is_audited = self.job.sampling.is_audited && lookups.simulated + lookups.audited < counts.total();
         let confidence = self.job.confidence(is_audited);
         let is_weighted = self.job.answer().is_of_rare_events();
@@ -149,12 +149,6 @@ impl<'a> Surface<'a> {
         }
         self.integrated.iter().for_each(|cell| lookups.add(cell.lookups));
         lookups
-    }
-
-    /// Whether every sample that is counted was simulated because the verdict map was given up.
-    pub fn was_counted_without_map(&self) -> bool {
-        let simulated = self.lookups().simulated;
-        simulated > 0 && u128::from(simulated) == self.tally.counted()
     }
 
     /// All rows, in order.

@@ -94,7 +94,7 @@ impl Tile {
                 nodes.extend([Node::Unresolved; 4]);
             }
         }
-        Some(Self { nodes, questions: questions.asked, cost: 0 })
+        Some(Self { nodes, questions: questions.asked })
     }
 }
 

@@ -30,7 +30,7 @@ fn map_of(verdict_at: impl Fn(Point) -> Verdict) -> (VerdictMap, u64) {
             let tile =
                 Tile::resolve(index, |points| points.iter().map(|&point| Some(verdict_at(point))).collect()).unwrap();
             questions += tile.questions;
-            assert_eq!(Tile::from_nodes(tile.nodes().to_vec(), tile.questions, tile.cost), Some(tile.clone()));
+            assert_eq!(Tile::from_nodes(tile.nodes().to_vec(), tile.questions), Some(tile.clone()));
             map.insert(index, tile);
         }
     }
@@ -156,7 +156,7 @@ fn boxes_that_form_no_quadtree_are_refused() {
     for nodes in
         [vec![], vec![leaf, leaf], vec![Node::Cut(1), leaf, leaf, leaf], vec![Node::Cut(0), leaf, leaf, leaf, leaf]]
     {
-        assert_eq!(Tile::from_nodes(nodes, 1, 0), None);
+        assert_eq!(Tile::from_nodes(nodes, 1), None);
     }
 }
 

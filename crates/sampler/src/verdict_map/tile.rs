@@ -75,14 +75,12 @@ pub struct Tile {
     pub(super) nodes: Vec<Node>,
     /// Verdicts that were asked for.
     pub questions: u64,
-    /// The cost of these verdicts, as counted by the caller that gave them.
-    pub cost: u64,
 }
 
 impl Tile {
     /// A tile from its boxes, as [`Tile::nodes`] returns them; `None` if they do not form a quadtree.
     #[must_use]
-    pub fn from_nodes(nodes: Vec<Node>, questions: u64, cost: u64) -> Option<Self> {
+    pub fn from_nodes(nodes: Vec<Node>, questions: u64) -> Option<Self> {
         // Children come in fours, after their parent, each once.
         let mut next = 1;
         for (place, node) in nodes.iter().enumerate() {
@@ -93,7 +91,7 @@ impl Tile {
                 next += 4;
             }
         }
-        (next == nodes.len()).then_some(Self { nodes, questions, cost })
+        (next == nodes.len()).then_some(Self { nodes, questions })
     }
 
     /// All boxes, divided or not: children come after their parent, in groups of four.

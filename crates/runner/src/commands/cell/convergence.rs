@@ -56,8 +56,8 @@ pub fn convergence(
     }
     let run = if path.is_dir() { Some(RunDirectory::view(path)?) } else { None };
     let counted_by_run = run.as_ref().map(|directory| directory.tally(job)).transpose()?;
-    let evaluator = match (&run, &counted_by_run) {
-        (Some(directory), Some(tally)) if job.uses_maps() => evaluator_again(directory, job, tally, cell.index)?,
+    let evaluator = match &run {
+        Some(directory) if job.uses_maps() => evaluator_again(directory, job, cell.index)?,
         _ => Evaluator::new(job)?,
     };
     let parts = evaluator.parts();

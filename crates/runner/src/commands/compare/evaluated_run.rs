@@ -123,9 +123,7 @@ fn complete_maps(
     if let Outcome::Stopped(signal) = completed.outcome {
         return Err(stopped(signal));
     }
-    if let Some(why) = completed.why_given_up(&run.job) {
-        note(format_args!("{}: {why}", run.name));
-    } else if completed.simulations > 0 {
+    if completed.simulations > 0 {
         note(format_args!(
             "{}: verdict map of {} tiles from {} simulations{}",
             run.name,
