@@ -38,5 +38,5 @@ def parsed(line: bytes) -> Message:
             remedy_in_python(remedy) if remedy else None,
             sent.get("progress"),
         )
-    except (ValueError, KeyError, TypeError):
+    except (ValueError, KeyError, TypeError, AttributeError):
         return Message(None, text)

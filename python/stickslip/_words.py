@@ -19,7 +19,7 @@ _FLAGS = frozenset({"overwrite", "pointwise"})
 _SET = re.compile(r"(?<![\w-])--set[ =](?=.)")
 
 #: An option, and behind it the name of its value, a number, or the last word of a command.
-_OPTION = re.compile(r"(?<![\w-])--([a-z-]+)(?:( <[^>]*>)|[ =](?=\d)|[ =]([^ '<]+)$|)")
+_OPTION = re.compile(r"(?<![\w-])--([a-z-]+)(?:( <[^>]*>)|[ =](?=\d)|[ =]([^ '<-][^ '<]*)$|)")
 
 
 def in_python(text: str) -> str:

@@ -64,6 +64,15 @@ fn plain_samples_that_contradict_a_probability_take_it_away() {
     place.run("report two --out two.html").done();
     let report = std::fs::read_to_string(place.path("two.html")).unwrap();
     assert!(report.contains("p_unstable is null in 1 cell: plain samples contradict p_low to p_high"));
+
+    // It is compared with nothing.
+    submitted(&place, "sound", &two_masses("sound", "\"friction\"", sampling));
+    let compared = place.run("compare two sound --out compared.parquet").done();
+    let said = "in 1 of 1 cells plain samples contradict the probability of two or sound";
+    assert!(compared.stderr.contains(said), "{}", compared.stderr);
+    let table = Table::read(&place.path("compared.parquet"));
+    assert!(table.column("p_first")[0].is_nan() && table.column("p_second")[0] > 0.05);
+    assert!(table.column("difference")[0].is_nan());
 }
 
 #[test]
@@ -106,4 +115,47 @@ fn what_critical_values_leave_open_is_said_without_plain_samples_too() {
     assert!(table.column("p_high")[0] - table.column("p_low")[0] > 1e-3);
     assert_eq!(table.column("distrust"), [6.0]);
     assert!(table.column("p_unstable")[0].is_nan());
+    // So it is of conditional probabilities that are open.
+    let conditional = open.replace("[\"friction\"]", "[\"friction\", \"k\"]");
+    let conditional = conditional.replace("method = \"exact\"", "method = \"conditional\"\nsamples = 64");
+    let table = submitted(&place, "conditional", &conditional);
+    assert_eq!([table.column("n_undecided")[0], table.column("distrust")[0]], [64.0, 6.0]);
+    assert!(table.column("p_unstable")[0].is_nan());
+    // No limit is read from what is open; a target beyond the bounds is another matter.
+    place.write("open.toml", &open.replace("[random]", "[axes]\nfriction = [0.6, 0.7]\n[random]"));
+    place
+        .run("limit open.toml --of friction --probability 0.5")
+        .refused(65, &["with friction = 0.6", "the probability is left open between 0", "the target 0.5 is between"]);
+}
+
+/// Values of drawn inputs beyond their range are stable, whatever the method.
+#[test]
+fn conditional_probabilities_obey_the_ranges_of_drawn_inputs() {
+    let place = Place::new();
+    let of = |name: &str, sampling: &str| {
+        let text = two_masses(name, "\"friction\", \"k\"", sampling);
+        let text = text.replace("k = 1.0", "k = { value = 1.0, range = [0.95, 1.2] }");
+        submitted(&place, name, &text).column("p_unstable")[0]
+    };
+    let conditional = of("conditional", "method = \"conditional\"\nsamples = 4096\naudit = 3000\nseed = 3");
+    let counted = of("counted", "samples = 40_000\nseed = 5");
+    // A third of the values of k are below the range.
+    assert!((conditional - counted).abs() < 5.0 * (0.25 / 40_000.0_f64).sqrt(), "{conditional} {counted}");
+    assert!(conditional > 0.05);
+}
+
+/// A run that ended among its plain samples has no surface yet, and no command writes one from what is there.
+#[test]
+fn no_surface_is_written_before_its_plain_samples() {
+    let place = Place::new();
+    let sampling = "method = \"importance\"\nsamples = 512\naudit = 5000\nseed = 3";
+    submitted(&place, "two", &two_masses("two", "\"friction\", \"k\"", sampling));
+    let whole = place.surface("two");
+    std::fs::remove_dir_all(place.path("two/audit")).unwrap();
+    std::fs::remove_file(place.path("two/surface.parquet")).unwrap();
+    let verified = place.run("verify two").done().stdout;
+    assert!(verified.contains("1 of 1 cells are complete, and plain samples are missing"), "{verified}");
+    assert!(!place.path("two/surface.parquet").exists());
+    place.run("resume two").done();
+    assert!(place.surface("two") == whole);
 }

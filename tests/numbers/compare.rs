@@ -317,7 +317,7 @@ fn exchange_verdicts(piece: &Path) {
 
 #[test]
 fn verdicts_that_are_not_those_counted_are_not_paired() {
-    let place = runs(15.0, &[("a", EIGENVALUE, "samples = 2000"), ("b", RIGID, "samples = 2000")]);
+    let place = runs(15.0, &[("a", EIGENVALUE, "samples = 20_000"), ("b", RIGID, "samples = 20_000")]);
     place.run("compare runs/a runs/b").done();
     // A verdict map with the opposite verdicts and a valid checksum.
     let pieces: Vec<_> = fs::read_dir(place.path("runs/b/map")).unwrap().map(|entry| entry.unwrap().path()).collect();
@@ -328,6 +328,14 @@ fn verdicts_that_are_not_those_counted_are_not_paired() {
     let table = Table::read(&place.path("out.parquet"));
     let counted = Table::read(&place.path("runs/b/surface.parquet"));
     assert_eq!(table.column("p_second"), counted.column("p_unstable"));
+}
+
+/// Few samples are decided again one by one, as a map would take more simulations.
+#[test]
+fn few_samples_are_compared_without_a_map() {
+    let place = runs(15.0, &[("a", EIGENVALUE, "samples = 100"), ("b", RIGID, "samples = 100")]);
+    place.run("compare runs/a runs/b").done();
+    assert!(!place.path("runs/b/map").exists());
 }
 
 #[test]

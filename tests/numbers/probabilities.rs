@@ -140,7 +140,7 @@ fn integrals_in_time_agree_with_simulated_samples() {
     }
 }
 
-/// A larger job, for which a map costs less than simulating the samples.
+/// A larger job.
 fn mapped(name: &str, criterion: &str, sampling: &str) -> String {
     job(name, criterion, BOTH, sampling).replace("points = 6", "points = 12").replace("points = 5", "points = 13")
 }

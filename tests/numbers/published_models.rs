@@ -58,9 +58,6 @@ fn shares_of_random_starts_are_those_of_the_published_oscillator() {
         assert_on_page(&format!("| {speed} | {printed:.4} | {area:.6} |"));
         let share = 1.0 - of("p_unstable", speed);
         assert!(standard_errors(share - area, area).abs() < 3.0, "{speed}: {share} {area}");
-        // At 1.175 the authors' horizon is too short for motions that change so slowly.
-        let z = standard_errors(printed - area, printed);
-        assert_eq!(z.abs() < 3.0, speed != 1.175, "{speed}: {z}");
         assert_eq!(of("n_undecided", speed) + of("n_failed", speed), 0.0, "{speed}");
     }
     assert_eq!((of("p_unstable", 1.1), of("p_unstable", 1.85)), (1.0, 0.0));

@@ -20,6 +20,7 @@ from stickslip._words import in_python, remedy_in_python
         ("replace it with --overwrite.", "replace it with overwrite=True."),
         ("submit it with `--out runs/a`", "submit it with `out='runs/a'`"),
         ("submit it with --out runs/a", "submit it with out= runs/a"),
+        ("give `stickslip submit x --overwrite --out`", "give `stickslip submit x overwrite=True out=`"),
         ("--cell 9: the run has cells 0 to 3", "cell=9: the run has cells 0 to 3"),
         ("a value '0' for '--threads <N>': no", "a value '0' for 'threads': no"),
         ("--set pad.mass: no", "pad.mass: no"),

@@ -171,8 +171,12 @@ fn cost_of_maps(evaluator: &Evaluator<'_>, engine: &Engine, threads: usize, begu
     }
     let each = cost_of_samples(job, &samples, threads);
     // Simulations of a map lie near boundaries and may be slower than those of samples.
-    let seconds_of_each = job.verdicts_of_samples() as f64 * samples.cost / threads as f64;
-    let hint = if seconds_of_each < seconds { "# evaluate = \"each\" takes less time for this job\n" } else { "" };
+    let seconds_of = |simulations: u128| simulations as f64 * samples.cost / threads as f64;
+    let hint = if seconds_of(job.verdicts_of_samples()) < seconds + seconds_of(audit_samples) {
+        "# evaluate = \"each\" takes less time for this job\n"
+    } else {
+        ""
+    };
     let text = format!("# {map}\n# {audit}\n# if each is simulated: {}{hint}", each.trim_start_matches("# "));
     Ok(Cost { text, of_a_sample: Some([samples.cost, samples.error.max(trial.error)]) })
 }

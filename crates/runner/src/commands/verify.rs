@@ -263,8 +263,9 @@ impl Check<'_> {
         let state = directory.surface_state(job)?;
         let tally = directory.tally(job)?;
         let complete = Parts::new(job).complete_cells(&tally);
-        if complete == job.cells() {
-            let audits = (job.plain_samples() > 0).then(|| directory.audits_done(job)).transpose()?;
+        let audits = (job.plain_samples() > 0).then(|| directory.audits_done(job)).transpose()?;
+        let are_audited = audits.as_ref().is_none_or(|audits| Parts::of_audits(job).are_complete(audits));
+        if complete == job.cells() && are_audited {
             let surface = Surface::new(job, &tally).audited(audits.as_ref());
             if surface.is_published(directory)? {
                 self.find(SURFACE, State::Sound, "sound, the same bytes as the pieces give");
@@ -284,7 +285,8 @@ impl Check<'_> {
             self.find(SURFACE, self.repaired(), format!("{was}{remark}"));
             return Ok(());
         }
-        let progress = format!("{} of {} cells are complete", HumanCount(complete), HumanCount(job.cells()));
+        let lacks = if are_audited { "" } else { ", and plain samples are missing" };
+        let progress = format!("{} of {} cells are complete{lacks}", HumanCount(complete), HumanCount(job.cells()));
         match state {
             FileState::Sound if !job.draws_samples() => self.find(SURFACE, State::Sound, "sound"),
             FileState::Sound => {

@@ -68,8 +68,8 @@ impl Conditional {
     }
 
     /// Evaluates samples of a randomisation of a cell, and hands each to `add`: its verdict, unstable where its
-    /// probability is above one half, and that probability. A sample with a value that is not admissible fails. False if it is
-    /// stopped before.
+    /// probability is above one half, and that probability. A sample with a value that is not admissible fails, and one whose
+    /// critical values leave too much open is undecided. False if it is stopped before.
     pub fn evaluate(
         &self,
         job: &Job,
@@ -100,9 +100,9 @@ impl Conditional {
                     *deviate = column[i];
                 }
                 match of_cell.probability(&mut sample) {
-                    Some(probability) if probability > HALF => add(Verdict::Unstable, probability),
-                    Some(probability) => add(Verdict::Stable, probability),
-                    None => add(Verdict::Failed, 0.0),
+                    Ok(probability) if probability > HALF => add(Verdict::Unstable, probability),
+                    Ok(probability) => add(Verdict::Stable, probability),
+                    Err(verdict) => add(verdict, 0.0),
                 }
             }
             first += count;
@@ -133,9 +133,11 @@ impl<'a> ConditionalCell<'a> {
     }
 
     /// The probability of instability given the independent deviates of the other inputs, followed by zeros for what is
-    /// integrated over; all are replaced. `None` if a value is not admissible, or
-    /// if critical values leave too much open.
-    pub(super) fn probability(&self, deviates: &mut [f64]) -> Option<f64> {
+    /// integrated over; all are replaced.
+    ///
+    /// # Errors
+    /// Failed if a value is not admissible, undecided if critical values leave too much open.
+    pub(super) fn probability(&self, deviates: &mut [f64]) -> Result<f64, Verdict> {
         let Conditional { others, correlation, .. } = self.conditional;
         let free = deviates[..others.len()].to_vec();
         correlation.apply(deviates);
@@ -143,20 +145,25 @@ impl<'a> ConditionalCell<'a> {
         let probability = match &self.integrated {
             Integrated::Pair { pair, expected } => {
                 let values: Vec<f64> = expected.iter().copied().chain(drawn).collect();
-                let boundary = self.configuration.closed_form()?.boundary_of(&values)?;
+                let boundary = self.configuration.closed_form().and_then(|form| form.boundary_of(&values));
+                let boundary = boundary.ok_or(Verdict::Failed)?;
                 pair.probability(&boundary, &correlation.law_of_last_two(&free), TOLERANCE)
             }
             Integrated::One(input) => {
                 let law = correlation.law_of_last(&free);
                 let values: Vec<f64> = iter::once(input.value(0.0)).chain(drawn).collect();
                 let places = one_input::places(&[(input.clone(), law)]);
-                let unstable = self.configuration.critical_values()?.unstable(&values, 0, &places, &NoMemory)?;
-                let found = one_input::probability(input, law, &unstable);
-                found.is_resolved().then_some(found.value)?
+                let critical = self.configuration.critical_values();
+                let unstable = critical.and_then(|critical| critical.unstable(&values, 0, &places, &NoMemory));
+                let found = one_input::probability(input, law, &unstable.ok_or(Verdict::Failed)?);
+                if !found.is_resolved() {
+                    return Err(Verdict::Undecided);
+                }
+                found.value
             }
         };
         deviates[others.len()..].fill(0.0);
-        Some(probability)
+        Ok(probability)
     }
 }
 
@@ -179,7 +186,7 @@ pub(super) fn integrand<'a>(
             sample.clear();
             sample.extend(point.iter());
             sample.resize(conditional.correlation.inputs(), 0.0);
-            values.push(of_cell.as_ref().and_then(|of_cell| of_cell.probability(&mut sample)));
+            values.push(of_cell.as_ref().and_then(|of_cell| of_cell.probability(&mut sample).ok()));
         }
         Some(values)
     })

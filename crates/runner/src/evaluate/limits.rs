@@ -20,7 +20,8 @@ use crate::evaluate::remembered_intervals::RememberedIntervals;
 use crate::evaluate::remembering::{Asked, Keeper};
 use crate::evaluate::unstable_values::UnstableValuesOfInput;
 use crate::evaluate::weighted_limits::WeightedSearch;
-use crate::job::{Effort, Job, LimitAxis, LimitMethod, OutsidePhysics};
+use crate::failure::Failure;
+use crate::job::{Answer, Effort, Job, LimitAxis, LimitMethod, OutsidePhysics};
 use stickslip_core::model::IsStopped;
 
 /// Least numbers of intervals of a scan: of a probability that takes little to compute, over a map, and of samples that are
@@ -115,7 +116,7 @@ impl<'a> LimitSearch<'a> {
                     place.expected[self.axis.quantity] = value;
                     let found = unstable.estimate(self.job, &place, input, &memory);
                     go_on()?;
-                    Ok(found)
+                    self.beside_targets(value, targets, found)
                 };
                 self.scan(targets, TOLERANCES[1], &[], estimate)
             }
@@ -135,9 +136,27 @@ impl<'a> LimitSearch<'a> {
                 search.limits(&self.values(), targets, is_stopped)
             }
             LimitMethod::Samples => {
-                self.scan(targets, TOLERANCES[1], &[], |value| self.of_samples(cell, value, &asked, is_stopped))
+                let estimate = |value: f64| {
+                    let found = self.of_samples(cell, value, &asked, is_stopped)?;
+                    let may_be_open = self.job.answer() == Answer::Probability;
+                    if may_be_open { self.beside_targets(value, targets, found) } else { Ok(found) }
+                };
+                self.scan(targets, TOLERANCES[1], &[], estimate)
             }
         }
+    }
+
+    /// An estimate over critical values, which has a probability or bounds on one side of every target.
+    ///
+    /// # Errors
+    /// A target between bounds that leave the probability open.
+    fn beside_targets(&self, value: f64, targets: &[f64], found: Estimate) -> Result<Estimate, Ended> {
+        let Estimate { probability: None, low, high } = found else { return Ok(found) };
+        let Some(target) = targets.iter().find(|&&target| low <= target && target < high) else { return Ok(found) };
+        let name = &self.axis.name;
+        Err(Ended::Failed(Failure::Job(format!(
+            "with {name} = {value} the probability is left open between {low:.6} and {high:.6}, and the target {target} is between these: critical values could not be told apart. Use sampling.method = \"importance\", or leave such values out of axes.{name}"
+        ))))
     }
 
     /// The values of the axis at which the probability is first estimated.

@@ -112,7 +112,7 @@ impl CombinationLimits {
                 let job = axis.job_at(job, beside.value);
                 let evaluator = Evaluator::new(&job).map_err(Ended::Failed)?;
                 let counted = evaluator.audit_integral(cell, 0..samples, is_stopped).ok_or(Ended::Stopped)?.counts;
-                Ok(PlainSamples { decided: counted.stable + counted.unstable, unstable: counted.unstable })
+                Ok(counted.into())
             };
             beside.plain = Some(asked.ask(2, read, write, find)?);
         }

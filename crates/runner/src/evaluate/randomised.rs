@@ -7,6 +7,7 @@ use stickslip_sampler::estimate::conditional::{self, ConditionalPart};
 use stickslip_sampler::estimate::interval::Estimate;
 use stickslip_sampler::estimate::randomisations;
 use stickslip_sampler::estimate::weighted::{self, WeightedEstimate, WeightedPart};
+use stickslip_sampler::integrate::closed_form::MOST_OPEN;
 
 use crate::evaluate::evaluator::Evaluator;
 use crate::evaluate::rare_events::populations;
@@ -31,7 +32,11 @@ pub fn estimate(job: &Job, parts: &[CountedPart], confidence: f64) -> Estimate {
     if job.answer() == Answer::Probability {
         let layout = SumLayout::for_job(job);
         let of = |part: &CountedPart| layout.read_probabilities(&part.sums, &part.counts);
-        return conditional::estimate(&parts.iter().map(of).collect::<Vec<ConditionalPart>>(), confidence);
+        let found = conditional::estimate(&parts.iter().map(of).collect::<Vec<ConditionalPart>>(), confidence);
+        let all = parts.iter().fold(VerdictCounts::default(), |sum, part| sum + part.counts);
+        // Those that are open may have any probability, and so may their share of the mean.
+        let is_open = all.undecided as f64 > MOST_OPEN * all.total() as f64;
+        return if is_open { Estimate { probability: None, ..found } } else { found };
     }
     if let Some(weighted) = of_weights(job, parts, confidence) {
         return weighted.estimate;

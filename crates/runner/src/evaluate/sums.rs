@@ -191,7 +191,10 @@ impl SumLayout {
                 self.index_counts(&sums, input).is_some_and(|(counts, left_out)| counts.can_be(samples - left_out))
             })
             && (!self.probabilities
-                || ProbabilitySums::can_be(of(self.probabilities_at(), self.weights_at()), samples - counts.failed))
+                || ProbabilitySums::can_be(
+                    of(self.probabilities_at(), self.weights_at()),
+                    samples - counts.without_verdict(),
+                ))
             && (!self.weights || WeightedSums::can_be(&sums[self.weights_at()..], samples, self.populations))
     }
 
@@ -293,7 +296,7 @@ impl SumLayout {
     /// The probabilities of the samples of a part.
     pub fn read_probabilities(self, sums: &[i128], counts: &VerdictCounts) -> ConditionalPart {
         let sums = sums.get(self.probabilities_at()..).unwrap_or_default();
-        ConditionalPart::from_sums(counts.total(), counts.failed, sums)
+        ConditionalPart::from_sums(counts.total(), counts.without_verdict(), sums)
     }
 
     /// Adds samples with weights.

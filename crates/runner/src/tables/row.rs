@@ -45,20 +45,22 @@ pub const CONTRADICTED: u64 = 5;
 /// Critical values leave so much open that there is no probability.
 pub const OPEN: u64 = 6;
 
-/// Why an estimate is not to be trusted: by its weights, by plain samples, or as an integral that is left open.
+/// Why an estimate is not to be trusted: by plain samples, by its weights, or as an integral that is left open.
 pub fn distrust(
     weighted: Option<&WeightedEstimate>,
-    integrated: Option<&IntegratedCell>,
+    is_open: bool,
     estimate: &Estimate,
     plain: Option<&PlainSamples>,
 ) -> u64 {
+    if plain.is_some_and(|plain| plain.contradict([estimate.low, estimate.high])) {
+        return CONTRADICTED;
+    }
     match weighted.and_then(|weighted| weighted.distrust) {
         Some(Distrust::NothingFound) => 1,
         Some(Distrust::FewSamples) => 2,
         Some(Distrust::Disagreement) => 3,
         Some(Distrust::WithoutVerdict) => 4,
-        None if plain.is_some_and(|plain| plain.contradict([estimate.low, estimate.high])) => CONTRADICTED,
-        None if integrated.is_some_and(|cell| cell.estimate.probability.is_none()) => OPEN,
+        None if is_open => OPEN,
         None => 0,
     }
 }

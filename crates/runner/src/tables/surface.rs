@@ -17,7 +17,7 @@ use crate::evaluate::sums::{Lookups, SumLayout};
 use crate::evaluate::unit::{Recorded, add_recorded};
 use crate::failure::Failure;
 use crate::files::table::TableWriter;
-use crate::job::{Effort, Job};
+use crate::job::{Answer, Effort, Job};
 use crate::store::digests::digest_of_file;
 use crate::store::directory::{JOB_HASH_KEY, JOB_KEY, RunDirectory};
 use crate::store::layout::SURFACE;
@@ -95,11 +95,11 @@ impl<'a> Surface<'a> {
             (None, Some(weighted)) => weighted.estimate,
             (None, None) => self.estimate(cell, &counts, confidence),
         };
-        let plain = self
-            .audits
-            .map(|audits| audits.counts(cell))
-            .map(|VerdictCounts { stable, unstable, .. }| PlainSamples { decided: stable + unstable, unstable });
-        let distrust = distrust(weighted.as_ref(), integrated.as_ref(), &counted, plain.as_ref());
+        let plain = self.audits.map(|audits| PlainSamples::from(audits.counts(cell)));
+        // Of conditional probabilities those may be open that count as undecided.
+        let may_be_open = integrated.is_some() || (self.job.answer() == Answer::Probability && counts.undecided > 0);
+        let is_open = may_be_open && counted.probability.is_none();
+        let distrust = distrust(weighted.as_ref(), is_open, &counted, plain.as_ref());
         let counted = if distrust == CONTRADICTED { Estimate { probability: None, ..counted } } else { counted };
         let unaudited =
             self.job.sampling.is_audited.then(|| {

@@ -4,6 +4,7 @@
 use std::ops::Range;
 
 use rand::RngExt;
+use stickslip_core::model::verdict::VerdictCounts;
 
 use crate::draw::identity::{BLOCK_SAMPLES, Purpose, block_generator};
 use crate::special_functions::beta;
@@ -54,6 +55,12 @@ pub struct PlainSamples {
     pub decided: u64,
     /// Unstable ones of them.
     pub unstable: u64,
+}
+
+impl From<VerdictCounts> for PlainSamples {
+    fn from(counts: VerdictCounts) -> Self {
+        Self { decided: counts.decided(), unstable: counts.unstable }
+    }
 }
 
 impl PlainSamples {

@@ -120,11 +120,11 @@ enum Of {
 }
 
 impl Of {
-    /// Without a verdict the probability counts as 0.
+    /// Without a probability its lower bound counts.
     fn value(self, estimate: &Estimate) -> f64 {
         match self {
             Self::Low => estimate.low,
-            Self::Probability => estimate.probability.unwrap_or(0.0),
+            Self::Probability => estimate.probability.unwrap_or(estimate.low),
             Self::High => estimate.high,
         }
     }

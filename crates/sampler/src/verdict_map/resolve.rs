@@ -50,9 +50,8 @@ const INTERVALS: i64 = 4;
 const GRID: usize = INTERVALS as usize + 3;
 
 impl Tile {
-    /// Resolves a tile. `verdicts_at` returns the verdicts at points of the plane, many at once. The
-    /// cost of the tile is left at 0 for the caller to set. If `verdicts_at` returns `None`, the search ends there,
-    /// with `None`.
+    /// Resolves a tile. `verdicts_at` returns the verdicts at points of the plane, many at once. If it
+    /// returns `None`, the search ends there, with `None`.
     pub fn resolve(index: TileIndex, verdicts_at: impl FnMut(&[Point]) -> Option<Vec<Verdict>>) -> Option<Self> {
         let tile = index.bounds();
         let mut questions = Questions { verdicts_at, asked: 0 };

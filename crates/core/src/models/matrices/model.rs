@@ -2,14 +2,11 @@
 
 use std::sync::Arc;
 
-use super::error::Error;
 use super::problem::{Problem, ProblemError, Solver};
 use super::recorded::PairResult;
 use super::region::Region;
 use super::samples::Samples;
-use super::sweep::Sweep;
-use super::terms::{Matrices, OverParameter, Parameter};
-use crate::model::critical_values::{INTERVALS, evenly};
+use super::terms::{Matrices, Parameter};
 use crate::model::quantity::{Limits, Quantity};
 use crate::model::recorded::RecordedResult;
 use crate::model::{Configuration, Model, ModelError};
@@ -133,17 +130,6 @@ impl MatrixModel {
     #[must_use]
     pub fn regions(&self) -> Vec<Region> {
         self.criterion.regions(0)
-    }
-
-    /// Where the number of unstable eigenvalues of each band changes over the parameter at `place`, with these values of the
-    /// others.
-    ///
-    /// # Errors
-    /// As [`Problem::sweep`].
-    pub fn sweeps(&self, parameters: &[f64], place: usize, within: [f64; 2]) -> Result<Vec<Sweep>, Error> {
-        let path = OverParameter { matrices: &self.matrices, values: parameters, place };
-        let places = evenly(within, INTERVALS);
-        self.regions().iter().map(|region| self.problem.sweep(&path, region, &places)).collect()
     }
 
     /// The expected values of all quantities, where nothing else is said.

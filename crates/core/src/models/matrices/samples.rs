@@ -236,13 +236,18 @@ impl Configuration for Samples {
 }
 
 impl CriticalValues for Samples {
-    /// Values beyond the range of the parameter are outside the model, and not unstable.
+    /// Values beyond the ranges of parameters are outside the model, and not unstable.
     fn unstable(&self, values: &[f64], place: usize, places: &[f64], memory: &dyn Memory) -> Option<UnstableValues> {
         let Shared { matrices, problem, regions, expected, varying, .. } = &*self.shared;
         let mut complete = expected.clone();
         varying.iter().zip(values).for_each(|(&place, value)| complete[place] = *value);
+        let range_of = |place: usize| matrices.parameters.get(place).map(|parameter| parameter.range);
+        let others = varying.iter().zip(values).enumerate().filter(|(other, _)| *other != place);
+        if others.into_iter().any(|(_, (&other, &value))| range_of(other).is_some_and(|range| !range.contain(value))) {
+            return Some(UnstableValues::default());
+        }
         let place = *varying.get(place)?;
-        let range = matrices.parameters.get(place)?.range;
+        let range = range_of(place)?;
         let Some(places) = within(places, [range.minimum, range.maximum]) else {
             return Some(UnstableValues::default());
         };

@@ -112,6 +112,18 @@ pub fn differences<'a>(
             second.run.name
         ));
     }
+    let is_contradicted =
+        |cell: &&MatchedCell| first.is_contradicted(cell.first) || second.is_contradicted(cell.second);
+    let contradicted = matching.cells.iter().filter(is_contradicted).count();
+    if contradicted > 0 {
+        note(format_args!(
+            "warning: in {} of {} cells plain samples contradict the probability of {} or {}; these cells have no difference",
+            HumanCount(contradicted as u64),
+            HumanCount(rows.len() as u64),
+            first.run.name,
+            second.run.name
+        ));
+    }
     Ok(Differences { first: &first.run.name, second: &second.run.name, job: &first.run.job, rows })
 }
 

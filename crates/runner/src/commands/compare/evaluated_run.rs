@@ -1,6 +1,7 @@
 //! A finished run whose samples are evaluated again.
 
 use indicatif::HumanCount;
+use stickslip_sampler::estimate::audit::PlainSamples;
 use stickslip_sampler::estimate::interval::{BinomialInterval, Estimate, IntervalKind};
 
 use super::run::Run;
@@ -16,6 +17,7 @@ use crate::schedule::engine::{Engine, Outcome};
 use crate::schedule::mapping::Mapping;
 use crate::store::layout::MAPS;
 use crate::store::map_pieces;
+use crate::store::tally::Tally;
 use crate::tables::row::unaudited;
 
 /// A finished run whose samples can be evaluated again.
@@ -26,6 +28,8 @@ pub struct EvaluatedRun<'a> {
     pub evaluator: Evaluator<'a>,
     /// One for each cell where probabilities are integrated, else none.
     integrated: Vec<IntegratedCell>,
+    /// The plain samples beside its probabilities, or the audits of its map.
+    audits: Tally,
 }
 
 impl<'a> EvaluatedRun<'a> {
@@ -40,13 +44,13 @@ impl<'a> EvaluatedRun<'a> {
     ) -> Result<Self, Failure> {
         let mut evaluator = Evaluator::new(&run.job)?;
         let mut integrated = Vec::new();
+        // The run keeps its audits.
+        let mut audits = run.directory.audits_done(&run.job)?;
         let map_use = run.job.map_use();
         if map_use == MapUse::Integrate || (map_use == MapUse::LookUp && needs_verdicts) {
             complete_maps(run, &mut evaluator, runs, engine, interrupt)?;
         }
         if run.job.answer() == Answer::Integral {
-            // The run keeps its audits.
-            let mut audits = run.directory.audits_done(&run.job)?;
             let audited = engine.audit(&evaluator, &mut audits, None, interrupt)?;
             let (outcome, cells) = engine.integrate(&evaluator, &audits, interrupt)?;
             for outcome in [audited, outcome] {
@@ -56,11 +60,29 @@ impl<'a> EvaluatedRun<'a> {
             }
             integrated = cells;
         }
-        Ok(Self { run, evaluator, integrated })
+        Ok(Self { run, evaluator, integrated, audits })
     }
 
-    /// The probability of a cell, with its bounds where it is integrated, else with the interval of a confidence.
+    /// The probability of a cell, with its bounds where it is integrated, else with the interval of a confidence. Nothing is
+    /// known where plain samples contradict it.
     pub fn estimate(&self, cell: u64, confidence: f64) -> Estimate {
+        match self.is_contradicted(cell) {
+            true => Estimate { probability: None, low: 0.0, high: 1.0 },
+            false => self.without_plain_samples(cell, confidence),
+        }
+    }
+
+    /// Whether the plain samples of a cell contradict its probability, as its surface has it.
+    pub fn is_contradicted(&self, cell: u64) -> bool {
+        let job = &self.run.job;
+        if job.plain_samples() == 0 {
+            return false;
+        }
+        let Estimate { low, high, .. } = self.without_plain_samples(cell, job.confidence(false));
+        PlainSamples::from(self.audits.counts(cell)).contradict([low, high])
+    }
+
+    fn without_plain_samples(&self, cell: u64, confidence: f64) -> Estimate {
         let Run { job, parts, tally, .. } = self.run;
         if let Some(integrated) = self.integrated.get(cell as usize) {
             return integrated.estimate;

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use stickslip_core::model::verdict::VerdictCounts;
 
+use crate::evaluate::maps::Maps;
 use crate::evaluate::parts::Parts;
 use crate::evaluate::sums::{Lookups, SumLayout};
 use crate::failure::Failure;
@@ -30,6 +31,9 @@ pub struct Run {
     audited: Option<SumLayout>,
 }
 
+/// Simulations that a tile of a verdict map takes, and more than most take.
+const SIMULATIONS_OF_A_TILE: u128 = 500;
+
 impl Run {
     /// Opens a finished run.
     ///
@@ -52,13 +56,17 @@ impl Run {
             .remedied(resume));
         }
         let audited = job.sampling.is_audited.then(|| SumLayout::for_job(&job));
-        // A map gives the same verdicts as evaluate = "each" with a small part of the simulations.
-        let gains_from_map =
+        // A map gives the same verdicts as evaluate = "each", of many samples with a small part of the simulations.
+        let may_have_map =
             !job.uses_maps() && !job.model().has_closed_form() && job.random.other().is_none() && job.fits_maps();
-        if gains_from_map {
-            job.sampling.evaluate = EvaluateMode::Boundary;
-            job.sampling.audit = Audit::Samples(0);
-            job.sampling.is_audited = false;
+        if may_have_map {
+            let mut mapped = job.clone();
+            mapped.sampling.evaluate = EvaluateMode::Boundary;
+            mapped.sampling.audit = Audit::Samples(0);
+            mapped.sampling.is_audited = false;
+            if job.total_samples() > SIMULATIONS_OF_A_TILE * Maps::new(&mapped).needed() as u128 {
+                job = mapped;
+            }
         }
         Ok(Self { name: path.display().to_string(), directory, job, parts, tally, audited })
     }

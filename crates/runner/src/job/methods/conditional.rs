@@ -55,6 +55,7 @@ impl Method for Conditional {
             ("n_samples", format!("samples of the inputs other than {pair}")),
             ("n_stable", format!("samples that are unstable with a probability of at most one half over {pair}")),
             ("n_unstable", format!("samples that are unstable with a probability above one half over {pair}")),
+            ("n_undecided", "samples whose critical values leave their probability open".to_owned()),
             ("n_failed", "samples with a value that is not admissible".to_owned()),
         ]
     }
