@@ -86,3 +86,27 @@ pub fn unaudited(lookups: &Lookups, samples: Option<u64>, confidence: f64) -> f6
 pub fn widened(estimate: &Estimate, by: f64) -> Estimate {
     Estimate { low: (estimate.low - by).max(0.0), high: (estimate.high + by).min(1.0), ..*estimate }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn plain_samples_that_contradict_count_more_than_weights_and_open_bounds() {
+        let estimate = Estimate { probability: None, low: 0.0, high: 0.01 };
+        let distrusted = WeightedEstimate {
+            estimate,
+            mean: 0.0,
+            effective: 0.0,
+            evaluations: 300.0,
+            distrust: Some(Distrust::NothingFound),
+        };
+        let plain = |unstable: u64| PlainSamples { decided: 300, unstable };
+        for (weighted, is_open, otherwise) in
+            [(Some(&distrusted), false, 1), (Some(&distrusted), true, 1), (None, true, OPEN), (None, false, 0)]
+        {
+            let of = |unstable: u64| distrust(weighted, is_open, &estimate, Some(&plain(unstable)));
+            assert_eq!([of(3), of(90)], [otherwise, CONTRADICTED]);
+        }
+    }
+}

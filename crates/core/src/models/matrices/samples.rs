@@ -154,17 +154,23 @@ impl Samples {
         values
     }
 
+    /// The range of the quantity at a place, if that is a parameter.
+    fn range(&self, place: usize) -> Option<Limits> {
+        self.shared.matrices.parameters.get(place).map(|parameter| parameter.range)
+    }
+
+    /// Whether a quantity with this value is beyond its range.
+    fn is_beyond(&self, place: usize, value: f64) -> bool {
+        self.range(place).is_some_and(|range| !range.contain(value))
+    }
+
     fn is_outside(&self, samples: &Columns<'_>, sample: usize) -> bool {
         let mut values = self.shared.varying.iter().zip(samples.sample(sample));
-        values.any(|(&place, value)| {
-            self.shared.matrices.parameters.get(place).is_some_and(|parameter| !parameter.range.contain(value))
-        })
+        values.any(|(&place, value)| self.is_beyond(place, value))
     }
 
     fn has_ranges(&self) -> bool {
-        self.shared.varying.iter().any(|&place| {
-            self.shared.matrices.parameters.get(place).is_some_and(|parameter| parameter.range != Limits::ANY)
-        })
+        self.shared.varying.iter().any(|&place| self.range(place).is_some_and(|range| range != Limits::ANY))
     }
 }
 
@@ -241,13 +247,12 @@ impl CriticalValues for Samples {
         let Shared { matrices, problem, regions, expected, varying, .. } = &*self.shared;
         let mut complete = expected.clone();
         varying.iter().zip(values).for_each(|(&place, value)| complete[place] = *value);
-        let range_of = |place: usize| matrices.parameters.get(place).map(|parameter| parameter.range);
-        let others = varying.iter().zip(values).enumerate().filter(|(other, _)| *other != place);
-        if others.into_iter().any(|(_, (&other, &value))| range_of(other).is_some_and(|range| !range.contain(value))) {
+        let place = *varying.get(place)?;
+        let mut values = varying.iter().zip(values);
+        if values.any(|(&other, &value)| other != place && self.is_beyond(other, value)) {
             return Some(UnstableValues::default());
         }
-        let place = *varying.get(place)?;
-        let range = range_of(place)?;
+        let range = self.range(place)?;
         let Some(places) = within(places, [range.minimum, range.maximum]) else {
             return Some(UnstableValues::default());
         };

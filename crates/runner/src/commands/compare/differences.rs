@@ -94,13 +94,14 @@ pub fn differences<'a>(
     interrupt: &Interrupt,
 ) -> Result<Differences<'a>, Failure> {
     let joints = count_pairs(engine, first, second, matching, interrupt)?;
-    let mut disagreed = 0_u64;
+    let (mut disagreed, mut contradicted) = (0_u64, 0_u64);
     let mut rows = Vec::with_capacity(matching.cells.len());
     for (cell, joint) in matching.cells.iter().zip(&joints) {
         let counts = [first.run.counts(cell.first), second.run.counts(cell.second)];
         let joint = (cell.dependence == Dependence::Paired).then_some(joint);
         let agreeing = joint.filter(|joint| joint.counts == counts);
         disagreed += u64::from(joint.is_some() && agreeing.is_none());
+        contradicted += u64::from(first.is_contradicted(cell.first) || second.is_contradicted(cell.second));
         rows.push(row(first, second, cell, agreeing, confidence));
     }
     if disagreed > 0 {
@@ -112,13 +113,10 @@ pub fn differences<'a>(
             second.run.name
         ));
     }
-    let is_contradicted =
-        |cell: &&MatchedCell| first.is_contradicted(cell.first) || second.is_contradicted(cell.second);
-    let contradicted = matching.cells.iter().filter(is_contradicted).count();
     if contradicted > 0 {
         note(format_args!(
             "warning: in {} of {} cells plain samples contradict the probability of {} or {}; these cells have no difference",
-            HumanCount(contradicted as u64),
+            HumanCount(contradicted),
             HumanCount(rows.len() as u64),
             first.run.name,
             second.run.name

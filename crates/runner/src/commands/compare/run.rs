@@ -31,7 +31,7 @@ pub struct Run {
     audited: Option<SumLayout>,
 }
 
-/// Simulations that a tile of a verdict map takes, and more than most take.
+/// More simulations than most tiles of a verdict map take.
 const SIMULATIONS_OF_A_TILE: u128 = 500;
 
 impl Run {
