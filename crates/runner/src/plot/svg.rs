@@ -1,6 +1,6 @@
 //! A plot as SVG.
 
-use std::fmt::{self, Display};
+use std::fmt::{self, Display, Write as _};
 
 use crate::output::printable;
 use crate::plot::canvas::{Canvas, Pen, Place, Rgb, Shape, Side, Text};
@@ -44,7 +44,7 @@ fn shape(shape: &Shape) -> String {
             format!("<path d=\"{path}\" {} fill=\"none\" />", stroke(*pen))
         }
         Shape::Area { polygons, fill, opacity, line } => {
-            let path: String = polygons.iter().map(|polygon| closed(polygon)).collect();
+            let path = closed(polygons);
             let line = if *line > 0.0 { format!(" {}", stroke(Pen::new(*fill, *line))) } else { String::new() };
             let opacity =
                 if *opacity < 1.0 { format!(" fill-opacity=\"{}\"", Hundredths(*opacity)) } else { String::new() };
@@ -83,10 +83,17 @@ pub fn escaped(text: &str) -> String {
     printable(text).replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
-/// A closed polygon.
-fn closed(polygon: &[Place]) -> String {
-    let step = |(i, &(x, y)): (usize, &Place)| format!("{}{x:.2},{y:.2}", if i == 0 { 'M' } else { 'L' });
-    polygon.iter().enumerate().map(step).collect::<String>() + "Z"
+/// Closed polygons as one path, which may be long.
+fn closed(polygons: &[Vec<Place>]) -> String {
+    let mut path = String::new();
+    for polygon in polygons {
+        for (i, (x, y)) in polygon.iter().enumerate() {
+            // Writing to a string cannot fail.
+            let _ = write!(path, "{}{x:.2},{y:.2}", if i == 0 { 'M' } else { 'L' });
+        }
+        path.push('Z');
+    }
+    path
 }
 
 fn stroke(pen: Pen) -> String {
