@@ -1,15 +1,18 @@
 """Runs targets of the Makefile one after the other, whatever fails, and says at the end what failed.
 
-Usage: stages.py TARGET [TARGET ...]
+Usage: stages.py TARGET [TARGET ...] [--beside TARGET [TARGET ...]]
 
-What the targets print is passed on as it comes. Then follow one line for each target (name, seconds, passed, failed)
-and, for each failed test, its name and its last lines. The exit code is 1 if anything failed.
+Those after --beside begin when the first target has ended, and run beside the others, one after the other as well.
+
+What the targets print is passed on as it comes, in whole lines. Then follow one line for each target (name, seconds,
+passed, failed) and, for each failed test, its name and its last lines. The exit code is 1 if anything failed.
 """
 
 import re
 import subprocess
 import sys
 import time
+from concurrent.futures import ThreadPoolExecutor
 from typing import Dict, Iterator, List, NamedTuple, Tuple
 
 # Lines that are shown of a failed test, or of a target that failed without one.
@@ -42,23 +45,33 @@ class Stage(NamedTuple):
     failures: Dict[str, List[str]]
 
 
-def main(targets: List[str]) -> int:
-    stages = [run(target) for target in targets]
+def main(words: List[str]) -> int:
+    at = words.index("--beside") if "--beside" in words else len(words)
+    first, others, beside = words[0], words[1:at], words[at + 1 :]
+    stages = [run(first)]
+    with ThreadPoolExecutor() as lanes:
+        for lane in list(lanes.map(lambda lane: [run(target) for target in lane], [others, beside])):
+            stages += lane
     print("\n" + "\n".join(summary(stages)), flush=True)
     return 1 if any(stage.code for stage in stages) else 0
 
 
 def run(target: str) -> Stage:
     """Runs a target, and passes on what it prints."""
-    print(f"== make {target}", flush=True)
+    pass_on(f"== make {target}\n".encode())
     begun, lines = time.monotonic(), []
     words = ["make", target]
     process = subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
     for line in process.stdout or ():
-        sys.stdout.buffer.write(line)
-        sys.stdout.buffer.flush()
+        pass_on(line.rstrip(b"\n") + b"\n")
         lines.append(line.decode("utf-8", "replace").rstrip("\n"))
     return ended(target, process.wait(), lines, time.monotonic() - begun)
+
+
+def pass_on(line: bytes) -> None:
+    """Writes a line at once, whole beside those of other targets."""
+    sys.stdout.buffer.write(line)
+    sys.stdout.buffer.flush()
 
 
 def ended(target: str, code: int, lines: List[str], seconds: float) -> Stage:

@@ -113,16 +113,35 @@ class Reading(unittest.TestCase):
         self.assertEqual(lines[:2], ["FAILED  test     61 s      3 passed    3 failed", "ok      docs     61 s"])
         self.assertEqual(lines[2:4], ["\nFAILED test: src/lib.rs one::panics", "    note: test did not panic as expected"])
 
-    def test_what_follows_a_red_target_runs_as_well(self):
+    def run_targets(self, makefile, *words):
+        """What it prints for these targets."""
         with tempfile.TemporaryDirectory() as place:
-            Path(place, "Makefile").write_text("red:\n\t@echo broken; exit 3\ngreen:\n\t@echo done\n")
+            Path(place, "Makefile").write_text(makefile)
             # As .ci/run calls it, not a make that calls another.
             environment = {name: value for name, value in os.environ.items() if not name.startswith("MAKE")}
-            command = [sys.executable, "-B", str(Path(stages.__file__).resolve()), "red", "green"]
-            ran = subprocess.run(command, cwd=place, env=environment, capture_output=True, text=True)
+            command = [sys.executable, "-B", str(Path(stages.__file__).resolve()), *words]
+            return subprocess.run(command, cwd=place, env=environment, capture_output=True, text=True, timeout=3600)
+
+    def test_what_follows_a_red_target_runs_as_well(self):
+        ran = self.run_targets("red:\n\t@echo broken; exit 3\ngreen:\n\t@echo done\n", "red", "green")
         self.assertEqual(ran.returncode, 1)
         last = ran.stdout[ran.stdout.index("\nFAILED") :]
         self.assertRegex(last, r"(?s)^\nFAILED  red .*\nok      green .*\nFAILED red: no test, but the target\n    broken\n")
+
+    def test_targets_beside_others_begin_after_the_first_and_wait_for_none(self):
+        # Each of the two lanes waits for the other.
+        makefile = (
+            "first:\n\t@sleep 0.2; touch first\n"
+            "here:\n\t@ls first; touch here; until [ -e there ]; do sleep 0.01; done\n"
+            "before:\n\t@ls first; exit 3\n"
+            "there:\n\t@until [ -e here ]; do sleep 0.01; done; touch there; printf end\n"
+        )
+        ran = self.run_targets(makefile, "first", "here", "--beside", "before", "there")
+        self.assertEqual(ran.returncode, 1)
+        self.assertEqual(ran.stdout.splitlines().count("first"), 2)
+        ends = ran.stdout[ran.stdout.index("\n\n") :].split()
+        self.assertEqual(ends[:13:4], ["ok", "ok", "FAILED", "ok"])
+        self.assertEqual(ends[1:14:4], ["first", "here", "before", "there"])
 
 
 if __name__ == "__main__":

@@ -36,7 +36,7 @@ inputs = ["friction"]
 relative_std = 0.3
 [sampling]
 method = "exact"
-audit = 4
+audit = 2
 [criterion]
 kind = "complex-eigenvalue"
 """
@@ -45,7 +45,7 @@ JOBS = {
     "eigenvalues": PAD + '[criterion]\nkind = "eigenvalue"\n[sampling]\nsamples = 2000\n',
     "motions": PAD + '[criterion]\nkind = "time-domain"\ndisc = "rigid"\n[sampling]\nsamples = 20\n',
     "dense": CHAIN,
-    "full": CHAIN + 'matrices = "full"\nfrequency = [10, 400]\n',
+    "full": CHAIN + 'matrices = "full"\nfrequency = [80, 130]\n',
 }
 
 
