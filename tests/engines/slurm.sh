@@ -76,7 +76,6 @@ submit() {
         2>>"$place/submit.log"
 }
 restarts() { scontrol show job "$1" | sed -n 's/.* Restarts=\([0-9]*\).*/\1/p' | paste -sd + | bc; }
-is_running() { [ -n "$(squeue --noheader --states=R --jobs="$1" 2>/dev/null)" ]; }
 running_on() { [ "$(squeue --noheader --states=R --nodelist="$1" --jobs="$2" 2>/dev/null | wc -l)" -ge 2 ]; }
 # All at once, as a power cut does: nothing is left that could report the others.
 lose_n1() {
@@ -85,6 +84,7 @@ lose_n1() {
     kill -STOP $all 2>/dev/null || true
     kill -KILL $all 2>/dev/null || true
 }
+has_kept_a_part() { compgen -G "$place/$1/searches/*" >/dev/null; }
 is_written() { [ -e "$place/$1/surface.parquet" ]; }
 
 job "$place/short.toml" short 24
@@ -162,8 +162,7 @@ done
 # What Slurm sends before a time limit.
 read -r warned _ < <(submit warned importance 1 --exclude=n1)
 wait_for "searches on n1" running_on n1 "$tasks"
-wait_for "search on n2" is_running "$warned"
-sleep 4
+wait_for "part of the search on n2" has_kept_a_part warned
 scancel --batch --signal=USR1 "$warned"
 lose_n1
 say "n1 is lost with the searches of $searches"
