@@ -13,13 +13,21 @@ const HALVINGS: usize = 20;
 /// Two vectors are of one pair if they overlap by this.
 const OVERLAP: f64 = 0.7;
 
-/// The coefficients of the matrices along a path, those of damping first, and their derivatives by its parameter.
+/// The coefficients of the matrices along a path, those of damping first.
 pub trait Path {
+    /// The coefficients at `p + d` as `[c_0, c_1, c_2, c_3]` with `c_0 + c_1 d + c_2 d^2`, which is off by at most `c_3` for all d
+    /// from `-step` to `step`.
+    fn series(&self, p: f64, step: f64) -> Vec<[f64; 4]>;
+
     /// The coefficients at `p`.
-    fn coefficients(&self, p: f64) -> Vec<f64>;
+    fn coefficients(&self, p: f64) -> Vec<f64> {
+        self.series(p, 0.0).into_iter().map(|[value, ..]| value).collect()
+    }
 
     /// Their derivatives by p.
-    fn derivative(&self, p: f64) -> Vec<f64>;
+    fn derivative(&self, p: f64) -> Vec<f64> {
+        self.series(p, 0.0).into_iter().map(|[_, slope, ..]| slope).collect()
+    }
 }
 
 /// The coefficients `from + p direction`: a parameter that enters as a factor.
@@ -32,12 +40,8 @@ pub struct Line {
 }
 
 impl Path for Line {
-    fn coefficients(&self, p: f64) -> Vec<f64> {
-        self.from.iter().zip(&self.direction).map(|(from, by)| from + p * by).collect()
-    }
-
-    fn derivative(&self, _p: f64) -> Vec<f64> {
-        self.direction.clone()
+    fn series(&self, p: f64, _: f64) -> Vec<[f64; 4]> {
+        self.from.iter().zip(&self.direction).map(|(from, by)| [from + p * by, *by, 0.0, 0.0]).collect()
     }
 }
 

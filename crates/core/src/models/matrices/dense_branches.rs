@@ -91,18 +91,19 @@ mod tests {
     use super::*;
     use crate::model::critical_values::{Memory, NoMemory, OnInterval, evenly};
     use crate::models::matrices::branches::Line;
+    use crate::models::matrices::covering::Covering;
     use crate::models::matrices::region::RESOLUTION;
-    use crate::models::matrices::sweep::{Steps, Sweep};
+    use crate::models::matrices::sweep::{Intervals, Steps, Sweep};
     use crate::models::matrices::trial::problem;
     use crate::numerics::eigenvalues::Eigenvalue;
 
     const FIRST: usize = 6;
 
-    const STEPS: Steps = Steps { joined: 1, halvings: 44, most: 4000 };
+    const STEPS: Steps = Steps { joined: 3, halvings: 44, most: 1000 };
 
     fn sweep(problem: &DenseQuadratic, path: &Line, region: &Region, within: [f64; 2]) -> Sweep {
-        let branches: &dyn Branches = &DenseBranches { problem, path };
-        branches.sweep(region, &evenly(within, FIRST), STEPS).unwrap()
+        let intervals: &mut dyn Intervals = &mut Covering::new(problem, path, region);
+        intervals.sweep(&evenly(within, FIRST), STEPS).unwrap()
     }
 
     /// A random problem, and the path along one of its coefficients.
@@ -127,8 +128,8 @@ mod tests {
             let within = [0.0, HIGHEST];
             let found = sweep(&problem, &path, &region, within);
             changes += found.changes.len();
-            let branches: &dyn Branches = &DenseBranches { problem: &problem, path: &path };
-            let unstable = branches.unstable_values(&region, &evenly(within, FIRST), STEPS, &NoMemory).unwrap();
+            let intervals: &mut dyn Intervals = &mut Covering::new(&problem, &path, &region);
+            let unstable = intervals.unstable_values(&evenly(within, FIRST), STEPS, &NoMemory).unwrap();
             several += usize::from(unstable.surely.len() > 1);
             let wide: f64 = found.unresolved.iter().map(|([from, to], _)| to - from).sum();
             assert!(wide < 1e-6, "{seed}: {:?}", found.unresolved);
@@ -176,8 +177,8 @@ mod tests {
         for seed in 0..60 {
             let (problem, path, region) = along_a_coefficient(seed);
             let within = [0.0, HIGHEST];
-            let branches: &dyn Branches = &DenseBranches { problem: &problem, path: &path };
-            let expected = branches.unstable_values(&region, &evenly(within, FIRST), STEPS, &NoMemory).unwrap();
+            let intervals: &mut dyn Intervals = &mut Covering::new(&problem, &path, &region);
+            let expected = intervals.unstable_values(&evenly(within, FIRST), STEPS, &NoMemory).unwrap();
             let all = sweep(&problem, &path, &region, within).unstable(within);
             let size = |set: &[[f64; 2]]| set.iter().map(|[from, to]| to - from).sum::<f64>();
             for (found, all) in [(&expected.surely, &all.surely), (&expected.possibly, &all.possibly)] {
@@ -186,7 +187,7 @@ mod tests {
             let known = RefCell::default();
             let sessions = (0..).map(|_| {
                 let memory = UntilStopped { known: &known, asked: Cell::new(0), left: Cell::new(3) };
-                branches.unstable_values(&region, &evenly(within, FIRST), STEPS, &memory)
+                intervals.unstable_values(&evenly(within, FIRST), STEPS, &memory)
             });
             let (number, found) = sessions.enumerate().find_map(|(number, found)| Some((number, found?))).unwrap();
             assert_eq!(found, expected, "{seed}");
@@ -260,9 +261,9 @@ mod tests {
             let problem = DenseQuadratic::new(&DMatrix::identity(2, 2), &damping, &stiffness, &[1.0; 3]).unwrap();
             let region = Region { lowest: 0.1, highest: 10.0, damping_ratio: 0.15 * coupling }.in_unit(problem.unit());
             let path = Line { from: vec![1.0, 1.0, 0.0], direction: vec![0.0, 0.0, 1.0] };
-            let branches: &dyn Branches = &DenseBranches { problem: &problem, path: &path };
+            let intervals: &mut dyn Intervals = &mut Covering::new(&problem, &path, &region);
             let within = [0.0, 1.07];
-            let found = branches.unstable_values(&region, &evenly(within, FIRST), STEPS, &NoMemory).unwrap();
+            let found = intervals.unstable_values(&evenly(within, FIRST), STEPS, &NoMemory).unwrap();
             let [first, last] = found.surely[..] else { panic!("{coupling}: {found:?}") };
             // At their meeting the modes share both; stable is where the one of less damping has taken enough from the other.
             let is_stable = |p: f64| {

@@ -1,5 +1,6 @@
 //! All eigenvalues of a quadratic problem with their vectors, in which changes of its matrices are written.
 
+use nalgebra::linalg::balancing::balance_parlett_reinsch;
 use nalgebra::{Complex, DMatrix, DVector, Schur};
 
 use super::quadratic::{DenseQuadratic, Quadratic, transposed_product};
@@ -24,6 +25,43 @@ pub(super) struct Eigenbasis {
     pub(super) left: Split,
 }
 
+/// `A X = X diag(lambda)` and `X^-1` for the matrix of first order of a problem.
+pub(super) struct Decomposition {
+    pub(super) eigenvalues: Vec<Eigenvalue>,
+    pub(super) vectors: ComplexMatrix,
+    pub(super) inverse: ComplexMatrix,
+}
+
+impl Decomposition {
+    /// The decomposition in coordinates scaled by powers of two, in which soft directions beside stiff ones keep their digits.
+    pub(super) fn balanced(problem: &Quadratic) -> Option<Self> {
+        let mut companion = problem.companion();
+        if companion.iter().any(|value| !value.is_finite()) {
+            return None;
+        }
+        let scales = balance_parlett_reinsch(&mut companion);
+        let mut found = Self::new(companion)?;
+        for (i, scale) in scales.iter().enumerate() {
+            found.vectors.row_mut(i).scale_mut(*scale);
+            found.inverse.column_mut(i).unscale_mut(*scale);
+        }
+        Some(found)
+    }
+
+    /// The decomposition of a matrix; `None` if there is none.
+    fn new(companion: DMatrix<f64>) -> Option<Self> {
+        let states = companion.nrows();
+        if states == 0 || companion.iter().any(|value| !value.is_finite()) {
+            return None;
+        }
+        let (schur_vectors, triangle) = Schur::try_new(companion, f64::EPSILON, SWEEPS_PER_ROW * states)?.unpack();
+        let (schur_vectors, triangle) = complex_schur(&schur_vectors, &triangle);
+        let vectors = Split::new(&schur_vectors).times(&Split::new(&vectors_of_triangle(&triangle)));
+        let inverse = vectors.clone().lu().try_inverse()?;
+        Some(Self { eigenvalues: triangle.diagonal().iter().copied().collect(), vectors, inverse })
+    }
+}
+
 impl Eigenbasis {
     /// The basis of a problem; `None` if there is none, or one so skew that it says little about what is near.
     pub(super) fn new(problem: &Quadratic) -> Option<Self> {
@@ -33,21 +71,14 @@ impl Eigenbasis {
 
     /// The basis of a problem and the condition numbers of its eigenvalues; `None` if there is none.
     pub(super) fn with_conditions(problem: &Quadratic) -> Option<(Self, Vec<f64>)> {
-        let companion = problem.companion();
-        let (states, size) = (companion.nrows(), companion.nrows() / 2);
-        if states == 0 || companion.iter().any(|value| !value.is_finite()) {
-            return None;
-        }
-        let (schur_vectors, triangle) = Schur::try_new(companion, f64::EPSILON, SWEEPS_PER_ROW * states)?.unpack();
-        let (schur_vectors, triangle) = complex_schur(&schur_vectors, &triangle);
-        let vectors = Split::new(&schur_vectors).times(&Split::new(&vectors_of_triangle(&triangle)));
-        let inverse = vectors.clone().lu().try_inverse()?;
+        let Decomposition { eigenvalues, vectors, inverse } = Decomposition::new(problem.companion())?;
+        let (states, size) = (eigenvalues.len(), eigenvalues.len() / 2);
         let length =
             |values: &mut dyn Iterator<Item = Complex<f64>>| values.map(|value| value.norm_sqr()).sum::<f64>().sqrt();
         let condition =
             |i: usize| length(&mut inverse.row(i).iter().copied()) * length(&mut vectors.column(i).iter().copied());
         let basis = Self {
-            eigenvalues: triangle.diagonal().iter().copied().collect(),
+            eigenvalues,
             right: Split::new(&vectors.rows(0, size).into_owned()),
             left: Split::new(&inverse.columns(size, size).into_owned()),
         };
@@ -87,6 +118,21 @@ impl Split {
     /// The product with another matrix from the right.
     pub(super) fn times(&self, other: &Self) -> ComplexMatrix {
         complex(&(&self.re * &other.re - &self.im * &other.im), &(&self.re * &other.im + &self.im * &other.re))
+    }
+
+    /// `A X`, or `(dA) X` for a change of a problem, with these as X.
+    pub(super) fn multiplied_by(&self, problem: &Quadratic, is_change: bool) -> Self {
+        let of = |x: &DMatrix<f64>| {
+            let size = x.nrows() / 2;
+            let (upper, lower) = (x.rows(0, size), x.rows(size, size));
+            let mut product = DMatrix::zeros(x.nrows(), x.ncols());
+            if !is_change {
+                product.rows_mut(0, size).copy_from(&lower);
+            }
+            product.rows_mut(size, size).copy_from(&-(&problem.stiffness * upper + &problem.damping * lower));
+            product
+        };
+        Self { re: of(&self.re), im: of(&self.im) }
     }
 
     /// The product with a vector from the right.

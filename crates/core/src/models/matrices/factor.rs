@@ -115,13 +115,37 @@ impl Factor {
         above / below
     }
 
-    /// Its derivative by the parameter at a place, at these values of all parameters.
-    #[must_use]
-    pub fn derivative(&self, parameters: &[f64], place: usize) -> f64 {
-        let Some(&(_, power)) = self.powers.iter().find(|(own, _)| *own == place) else { return 0.0 };
+    /// Its derivative by the parameter at a place.
+    fn derived(&self, place: usize) -> Self {
+        let Some(&(_, power)) = self.powers.iter().find(|(own, _)| *own == place) else { return Self::number(0.0) };
         let powers = self.powers.iter().map(|&(own, power)| (own, if own == place { power - 1 } else { power }));
         let powers = powers.filter(|(_, power)| *power != 0).collect();
-        Self { number: self.number * f64::from(power), powers }.value(parameters)
+        Self { number: self.number * f64::from(power), powers }
+    }
+
+    /// `[c_0, c_1, c_2, c_3]`: with a parameter d larger than among these it is `c_0 + c_1 d + c_2 d^2`, but for at most `c_3` as
+    /// long as d is no larger than a step to both sides.
+    #[must_use]
+    pub fn series(&self, parameters: &[f64], place: usize, step: f64) -> [f64; 4] {
+        let first = self.derived(place);
+        let second = first.derived(place);
+        let third = second.derived(place);
+        let largest = if third.number == 0.0 || step == 0.0 {
+            0.0
+        } else {
+            let [low, high] = [-step, step].map(|by| parameters[place] + by);
+            let is_within = low < 0.0 && high > 0.0;
+            // A power of a parameter is largest at an end, or infinite at zero.
+            let at = |value: f64| {
+                let mut moved = parameters.to_vec();
+                moved[place] = value;
+                third.value(&moved).abs()
+            };
+            let at_zero = if is_within { at(0.0) } else { 0.0 };
+            at(low).max(at(high)).max(at_zero)
+        };
+        let values = [self, &first, &second].map(|factor| factor.value(parameters));
+        [values[0], values[1], 0.5 * values[2], largest * step * step * step / 6.0]
     }
 
     /// The parameters that it depends on, by their places.
@@ -246,21 +270,34 @@ mod tests {
     }
 
     #[test]
-    fn derivatives_are_differences() {
-        let values = [0.4, 12.0, 3.0];
-        for text in ["friction", "3", "friction * e_lining^3 / speed^9", "2 / speed", "speed^2"] {
+    fn a_series_is_off_by_no_more_than_it_says_and_not_by_much_less() {
+        let values = [0.4, 12.0, -3.0_f64];
+        let mut inexact = 0;
+        for text in
+            ["friction", "3", "friction * e_lining^3 / speed^9", "2 / speed", "speed^2", "e_lining^4", "friction^-3"]
+        {
             let factor = Factor::parse(text, &NAMES).unwrap();
-            for place in 0..3 {
-                let at = |by: f64| {
-                    let mut moved = values;
-                    moved[place] *= 1.0 + by;
-                    factor.value(&moved)
-                };
-                let difference = (at(1e-6) - at(-1e-6)) / (2e-6 * values[place]);
-                let derivative = factor.derivative(&values, place);
-                assert!((derivative - difference).abs() <= 1e-8 * factor.value(&values), "{text} {place}");
+            for (place, value) in values.into_iter().enumerate() {
+                for step in [0.0, 0.01 * value.abs(), 0.2 * value.abs()] {
+                    let [a, b, c, most] = factor.series(&values, place, step);
+                    let off = (-10..=10).map(|part| {
+                        let by = step * f64::from(part) / 10.0;
+                        let mut moved = values;
+                        moved[place] += by;
+                        (factor.value(&moved) - (a + by * (b + by * c))).abs()
+                    });
+                    let off = off.fold(0.0, f64::max);
+                    let size = factor.value(&values).abs();
+                    assert!(off <= most + 1e-14 * size, "{text} {place} {step}: {off} {most}");
+                    assert!(most <= 12.0 * off + 1e-14 * size, "{text} {place} {step}: {off} {most}");
+                    inexact += usize::from(most > 0.0);
+                }
             }
         }
+        assert_eq!(inexact, 10);
+        let through_zero = |text: &str| Factor::parse(text, &NAMES).unwrap().series(&[0.1, 1.0, 1.0], 0, 0.2)[3];
+        assert_eq!(through_zero("1 / friction"), f64::INFINITY);
+        assert!((through_zero("friction^4") - 4.0 * 0.3 * 0.008).abs() < 1e-15);
     }
 
     #[test]

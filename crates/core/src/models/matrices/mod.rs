@@ -26,7 +26,11 @@ mod refine;
 
 mod eigenbasis;
 
+mod discs;
+
 mod dense_branches;
+
+mod covering;
 
 mod polynomial;
 

@@ -6,6 +6,7 @@ use nalgebra::DMatrix;
 use thiserror::Error as ThisError;
 
 use super::branches::{Branches, Path};
+use super::covering::Covering;
 use super::dense_branches::DenseBranches;
 use super::error::Error;
 use super::full::along::Along;
@@ -13,16 +14,23 @@ use super::full::band::KrylovLimit;
 use super::full::quadratic::{Coefficients, SparseQuadratic};
 use super::quadratic::{DenseQuadratic, QuadraticError};
 use super::region::Region;
-use super::sweep::{Steps, Sweep};
+use super::sweep::{Intervals, Nodes, Steps, Sweep};
 use super::terms::{Matrices, Matrix, Term};
 use crate::model::critical_values::{Memory, UnstableValues};
 use crate::numerics::eigenvalues::Eigenvalue;
 
-/// How sweeps with dense matrices look for changes, for which a place costs little.
-const DENSE_STEPS: Steps = Steps { joined: 1, halvings: 44, most: 4000 };
+/// Coordinates up to which discs prove what is unstable over an interval. Beyond, that takes several times as long as what three
+/// places tell: seven times with 100 coordinates.
+const MOST_PROVED: usize = 40;
+
+/// How intervals that are proved are divided.
+const PROVED_STEPS: Steps = Steps { joined: 3, halvings: 44, most: 1000 };
+
+/// How those of larger dense matrices are, for which a place costs little.
+const DENSE_STEPS: Steps = Steps { joined: 1, halvings: 44, most: 1000 };
 
 /// How those with sparse matrices do.
-const SPARSE_STEPS: Steps = Steps { joined: 3, halvings: 44, most: 300 };
+const SPARSE_STEPS: Steps = Steps { joined: 3, halvings: 44, most: 75 };
 
 /// With which matrices eigenvalues are found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -122,7 +130,7 @@ impl Problem {
     /// # Errors
     /// [`Error`], if pairs are not found.
     pub fn sweep(&self, path: &dyn Path, region: &Region, places: &[f64]) -> Result<Sweep, Error> {
-        let sweep = self.along(path).sweep(&region.in_unit(self.unit()), places, self.steps())?;
+        let sweep = self.with_intervals(path, region, |intervals, steps| intervals.sweep(places, steps))?;
         Ok(sweep.with_eigenvalues_times(self.unit()))
     }
 
@@ -135,13 +143,23 @@ impl Problem {
         places: &[f64],
         memory: &dyn Memory,
     ) -> Option<UnstableValues> {
-        self.along(path).unstable_values(&region.in_unit(self.unit()), places, self.steps(), memory)
+        self.with_intervals(path, region, |intervals, steps| intervals.unstable_values(places, steps, memory))
     }
 
-    fn steps(&self) -> Steps {
+    /// What is asked of the intervals of a path, for a region in rad/s.
+    fn with_intervals<T>(
+        &self,
+        path: &dyn Path,
+        region: &Region,
+        ask: impl FnOnce(&mut dyn Intervals, Steps) -> T,
+    ) -> T {
+        let region = region.in_unit(self.unit());
         match self {
-            Self::Dense(_) => DENSE_STEPS,
-            Self::Sparse(_) => SPARSE_STEPS,
+            Self::Dense(problem) if problem.size() <= MOST_PROVED => {
+                ask(&mut Covering::new(problem, path, &region), PROVED_STEPS)
+            }
+            Self::Dense(_) => ask(&mut Nodes::new(&*self.along(path), &region), DENSE_STEPS),
+            Self::Sparse(_) => ask(&mut Nodes::new(&*self.along(path), &region), SPARSE_STEPS),
         }
     }
 

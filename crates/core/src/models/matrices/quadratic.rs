@@ -3,8 +3,11 @@
 use nalgebra::{Complex, DMatrix, DVector};
 use thiserror::Error;
 
-use super::rigid_body::without_free;
+use super::rigid_body::{free, without_free};
 use crate::numerics::eigenvalues::{Eigenvalue, EigenvalueError, eigenvalues};
+
+/// The asymmetry of a matrix, over its largest entry, that rounding makes.
+const ROUNDING: f64 = 1e-14;
 
 /// `(lambda^2 M + lambda C + K) q = 0` with `C = sum_i c_i C_i` and `K = sum_j k_j K_j`, the c_i and k_j being
 /// coefficients that differ from sample to sample. M is symmetric and positive definite, and the same in all samples.
@@ -136,19 +139,45 @@ impl DenseQuadratic {
     /// The problem with these coefficients.
     #[must_use]
     pub fn at(&self, coefficients: &[f64]) -> Quadratic {
+        self.sums(coefficients, |value| value)
+    }
+
+    /// The same sums of the moduli of all entries.
+    pub(super) fn magnitudes_at(&self, coefficients: &[f64]) -> Quadratic {
+        self.sums(coefficients, f64::abs)
+    }
+
+    fn sums(&self, coefficients: &[f64], of: impl Fn(f64) -> f64) -> Quadratic {
         let size = self.size();
         let sum = |places: std::ops::Range<usize>| {
             let mut sum = DMatrix::zeros(size, size);
             for (term, coefficient) in self.terms[places.clone()].iter().zip(&coefficients[places]) {
                 if *coefficient != 0.0 {
                     for (sum, value) in sum.as_mut_slice().iter_mut().zip(term.as_slice()) {
-                        *sum += coefficient * value;
+                        *sum += coefficient * of(*value);
                     }
                 }
             }
             sum
         };
         Quadratic { damping: sum(0..self.damping_terms), stiffness: sum(self.damping_terms..self.terms.len()) }
+    }
+
+    /// How many eigenvalues are zero with any coefficients: of motions that no stiffness holds.
+    pub(super) fn zeros(&self) -> usize {
+        let stiffness = &self.terms[self.damping_terms..];
+        let transposed: Vec<DMatrix<f64>> = stiffness.iter().map(DMatrix::transpose).collect();
+        free(stiffness, self.size()).ncols().max(free(&transposed, self.size()).ncols())
+    }
+
+    /// Whether with any coefficients each eigenvalue has its mirror image at the imaginary axis: without damping, or with symmetric
+    /// stiffness and gyroscopic forces alone.
+    pub(super) fn is_mirrored(&self) -> bool {
+        let (damping, stiffness) = self.terms.split_at(self.damping_terms);
+        let is_zero = |matrix: DMatrix<f64>, of: &DMatrix<f64>| matrix.amax() <= ROUNDING * of.amax();
+        damping.iter().all(|term| term.amax() == 0.0)
+            || damping.iter().all(|term| is_zero(term + term.transpose(), term))
+                && stiffness.iter().all(|term| is_zero(term - term.transpose(), term))
     }
 }
 

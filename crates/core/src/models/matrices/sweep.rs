@@ -11,11 +11,11 @@ use crate::model::critical_values::{Memory, OnInterval, UnstableValues};
 /// How a sweep looks for changes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Steps {
-    /// Of so many intervals between the places it starts with it makes one.
+    /// Of so many intervals between the places it is given it makes one to begin with.
     pub joined: usize,
     /// How often an interval may be halved.
     pub halvings: usize,
-    /// How many intervals it looks at, at most, whose shares the first ones have.
+    /// How many intervals it looks at, at most, within one that it begins with.
     pub most: usize,
 }
 
@@ -86,21 +86,29 @@ impl Sweep {
     }
 }
 
-impl dyn Branches + '_ {
-    /// All places at which the number of unstable eigenvalues of a region changes, between the first and the last of some
-    /// places in rising order.
-    ///
-    /// At both ends of an interval and in its middle all pairs and real eigenvalues are found. Where they do not tell what
-    /// lies between, the interval is halved. Nothing is left out for where it
-    /// seems to go: what does not count is so far from the edge of the region at all three places that it cannot reach it.
-    /// Critical values are then found by Newton's method on the matrices. What is not known when the work ends is
-    /// unresolved.
+/// What tells of an interval of a path what is unstable there.
+pub trait Intervals {
+    /// The sweep of an interval; nothing if it is to be halved. No later interval begins below this one.
     ///
     /// # Errors
-    /// [`Error::Request`] for places that do not rise, and as [`Place::pairs`](super::branches::Place::pairs).
-    pub fn sweep(&self, region: &Region, places: &[f64], steps: Steps) -> Result<Sweep, Error> {
-        let mut nodes = Nodes::new(self, region);
-        let intervals = settled(places, steps, |interval, may_halve| nodes.settle(interval, may_halve))?;
+    /// [`Error`], if eigenvalues are not found.
+    fn settle(&mut self, ends: [f64; 2], may_halve: bool) -> Result<Option<Sweep>, Error>;
+
+    /// The unstable values of such an interval: all of them where one pair is unstable all along, whatever the others do.
+    ///
+    /// # Errors
+    /// As [`settle`](Self::settle).
+    fn unstable(&mut self, ends: [f64; 2], may_halve: bool) -> Result<OnInterval, Error>;
+}
+
+impl dyn Intervals + '_ {
+    /// All places at which the number of unstable eigenvalues changes, between the first and the last of some places in rising
+    /// order. Intervals of which too little is known are halved. What is not known when the work ends is unresolved.
+    ///
+    /// # Errors
+    /// [`Error::Request`] for places that do not rise, and as [`Intervals::settle`].
+    pub fn sweep(&mut self, places: &[f64], steps: Steps) -> Result<Sweep, Error> {
+        let intervals = settled(places, steps, |interval, may_halve| self.settle(interval, may_halve))?;
         let mut sweep = Sweep { at_start: 0, changes: Vec::new(), unresolved: Vec::new() };
         sweep.at_start = intervals.first().map_or(0, |first| first.at_start);
         for interval in intervals {
@@ -113,35 +121,34 @@ impl dyn Branches + '_ {
 
     /// The values at which there is an unstable eigenvalue, by the same sweep, whose intervals `memory` may know; `None` if
     /// that ends it or pairs are not found.
-    pub fn unstable_values(
-        &self,
-        region: &Region,
-        places: &[f64],
-        steps: Steps,
-        memory: &dyn Memory,
-    ) -> Option<UnstableValues> {
-        let mut nodes = Nodes::new(self, region);
+    pub fn unstable_values(&mut self, places: &[f64], steps: Steps, memory: &dyn Memory) -> Option<UnstableValues> {
         let intervals = settled(places, steps, |interval, may_halve| {
-            let mut find = || nodes.unstable(interval, may_halve).ok();
+            let mut find = || self.unstable(interval, may_halve).ok();
             memory.next(interval, &mut find).ok_or(Error::Request("a search to go on"))
         });
         Some(intervals.ok()?.iter().fold(UnstableValues::default(), UnstableValues::or))
     }
 }
 
-/// The places of a sweep that are still needed.
-struct Nodes<'a> {
+/// Intervals by what is found at three places.
+///
+/// At both ends of an interval and in its middle all pairs and real eigenvalues are found. Nothing is left out for where it
+/// seems to go: what does not count is so far from the edge of the region at all three places that it cannot reach it.
+/// Critical values are then found by Newton's method on the matrices.
+pub(super) struct Nodes<'a> {
     branches: &'a dyn Branches,
     region: &'a Region,
+    /// The places that are still needed.
     known: Vec<Rc<Node<'a>>>,
 }
 
 impl<'a> Nodes<'a> {
-    fn new(branches: &'a dyn Branches, region: &'a Region) -> Self {
+    pub(super) fn new(branches: &'a dyn Branches, region: &'a Region) -> Self {
         Self { branches, region, known: Vec::new() }
     }
+}
 
-    /// The sweep of an interval; nothing if it is to be halved. No later interval begins below this one.
+impl Intervals for Nodes<'_> {
     fn settle(&mut self, ends: [f64; 2], may_halve: bool) -> Result<Option<Sweep>, Error> {
         let nodes = self.of(ends)?;
         let interval = Interval::new(nodes.each_ref().map(|node| &**node), self.region);
@@ -154,7 +161,6 @@ impl<'a> Nodes<'a> {
         Ok(Some(Sweep { at_start: usize::try_from(from).unwrap_or(0), changes, unresolved }))
     }
 
-    /// The unstable values of such an interval: all of them where one pair is unstable all along, whatever the others do.
     fn unstable(&mut self, ends: [f64; 2], may_halve: bool) -> Result<OnInterval, Error> {
         let nodes = self.of(ends)?;
         let interval = Interval::new(nodes.each_ref().map(|node| &**node), self.region);
@@ -168,7 +174,9 @@ impl<'a> Nodes<'a> {
             _ => Some(UnstableValues { surely: Vec::new(), possibly: vec![ends] }),
         })
     }
+}
 
+impl<'a> Nodes<'a> {
     /// The nodes at both ends of an interval and in its middle. Those below it are needed no more.
     fn of(&mut self, [low, high]: [f64; 2]) -> Result<[Rc<Node<'a>>; 3], Error> {
         self.known.retain(|node| node.p >= low);
@@ -204,7 +212,6 @@ fn settled<T>(
         return Err(NO_INTERVAL);
     }
     let ends: Vec<f64> = places[1..].chunks(steps.joined.max(1)).filter_map(|joined| joined.last().copied()).collect();
-    let share = steps.most / ends.len();
     let mut settled = Vec::new();
     let mut here = *first;
     for end in ends {
@@ -216,7 +223,7 @@ fn settled<T>(
             let middle = middle(here, end);
             // Narrower ones have no three places that rounding tells apart.
             let is_wide = end - here > 16.0 * f64::EPSILON * here.abs().max(end.abs());
-            let may_halve = halvings < steps.halvings && is_wide && looked_at + left.len() < share;
+            let may_halve = halvings < steps.halvings && is_wide && looked_at + left.len() < steps.most;
             match settle([here, end], may_halve)? {
                 Some(found) => {
                     settled.push(found);

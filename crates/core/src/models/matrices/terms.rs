@@ -105,21 +105,11 @@ pub(super) struct OverParameter<'a> {
     pub(super) place: usize,
 }
 
-impl OverParameter<'_> {
-    fn each(&self, p: f64, of: impl Fn(&Factor, &[f64]) -> f64) -> Vec<f64> {
+impl Path for OverParameter<'_> {
+    fn series(&self, p: f64, step: f64) -> Vec<[f64; 4]> {
         let mut values = self.values.to_vec();
         values[self.place] = p;
         let Matrices { damping, stiffness, .. } = self.matrices;
-        damping.iter().chain(stiffness).map(|term| of(&term.factor, &values)).collect()
-    }
-}
-
-impl Path for OverParameter<'_> {
-    fn coefficients(&self, p: f64) -> Vec<f64> {
-        self.each(p, Factor::value)
-    }
-
-    fn derivative(&self, p: f64) -> Vec<f64> {
-        self.each(p, |factor, values| factor.derivative(values, self.place))
+        damping.iter().chain(stiffness).map(|term| term.factor.series(&values, self.place, step)).collect()
     }
 }

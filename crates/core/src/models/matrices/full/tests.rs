@@ -13,7 +13,7 @@ use crate::models::matrices::branches::{Branches, Followed, Line, Path, Target};
 use crate::models::matrices::error::Error;
 use crate::models::matrices::pair::{Complex, Pair};
 use crate::models::matrices::region::{Region, damping_ratio, magnitude};
-use crate::models::matrices::sweep::Steps;
+use crate::models::matrices::sweep::{Intervals, Nodes, Steps};
 use crate::numerics::eigenvalues::eigenvalues;
 
 type Sparse = SparseColMat<usize, f64>;
@@ -254,11 +254,12 @@ fn two_coupled_masses_flutter_at_the_closed_form() {
         let coupling = sparse(2, &[(0, 1, -1.0)]);
         let matrices = SparseQuadratic::new(&unit, &[damping], &[stiffness, coupling]).unwrap();
         let path = Line { from: vec![1.0, 1.0, 0.0], direction: vec![0.0, 0.0, 1.0] };
-        let along: &dyn Branches = &Along { matrices: &matrices, path: &path, limit: limit(20) };
+        let along = Along { matrices: &matrices, path: &path, limit: limit(20) };
         let (a3, a2, a1) = (c1 + c2, 2.0 + k22 + c1 * c2, c1 * k22 + c2 * 2.0);
         let expected = a1 * (a3 * a2 - a1) / (a3 * a3) - (2.0 * k22 - 1.0);
         let region = Region { lowest: 0.5, highest: 3.0, damping_ratio: 0.0 };
-        let sweep = along.sweep(&region, &evenly([0.2, 1.9], 4), STEPS).unwrap();
+        let intervals: &mut dyn Intervals = &mut Nodes::new(&along, &region);
+        let sweep = intervals.sweep(&evenly([0.2, 1.9], 4), STEPS).unwrap();
         assert_eq!((sweep.at_start, sweep.changes.len(), &sweep.unresolved[..]), (0, 1, &[][..]), "{k22} {c1} {c2}");
         let change = &sweep.changes[0];
         assert!((change.p - expected).abs() < 1e-10, "{} {expected}", change.p);
@@ -273,10 +274,11 @@ fn a_sweep_finds_all_changes_of_a_chain() {
     let chain = Chain::new(60);
     let matrices = chain.matrices();
     let path = Line { from: vec![1.0, 1.0, 0.0], direction: vec![0.0, 0.0, 1.0] };
-    let along: &dyn Branches = &Along { matrices: &matrices, path: &path, limit: limit(120) };
+    let along = Along { matrices: &matrices, path: &path, limit: limit(120) };
     let region = Region { lowest: 300.0, highest: 700.0, damping_ratio: 0.0 };
     let [low, high] = [2.0, 4.0];
-    let sweep = along.sweep(&region, &evenly([low, high], 4), STEPS).unwrap();
+    let intervals: &mut dyn Intervals = &mut Nodes::new(&along, &region);
+    let sweep = intervals.sweep(&evenly([low, high], 4), STEPS).unwrap();
     let unstable = |p: f64| {
         chain
             .dense(&Coefficients::split(&path.coefficients(p), 1))

@@ -1,17 +1,17 @@
 //! Searches over a parameter against all eigenvalues on a dense grid.
 
-use nalgebra::{Complex, DMatrix, Schur};
+use nalgebra::{Complex, DMatrix, Schur, dmatrix, dvector};
 
 use crate::model::critical_values::NoMemory;
-use crate::models::matrices::branches::{Branches, Path};
-use crate::models::matrices::dense_branches::DenseBranches;
+use crate::models::matrices::branches::Path;
+use crate::models::matrices::covering::Covering;
 use crate::models::matrices::quadratic::DenseQuadratic;
 use crate::models::matrices::region::{RESOLUTION, Region};
-use crate::models::matrices::sweep::Steps;
+use crate::models::matrices::sweep::{Intervals, Steps};
 use crate::models::matrices::trial::Numbers;
 
-/// As in [`problem`](crate::models::matrices::problem).
-const STEPS: Steps = Steps { joined: 1, halvings: 44, most: 4000 };
+/// As in [`problem`](crate::models::matrices::problem), of what is proved.
+const STEPS: Steps = Steps { joined: 3, halvings: 44, most: 1000 };
 
 /// Places of the grid, over five standard deviations to each side.
 const GRID: u32 = 1500;
@@ -39,16 +39,11 @@ struct OverDeviate {
 }
 
 impl Path for OverDeviate {
-    fn coefficients(&self, z: f64) -> Vec<f64> {
-        let p = self.mean * (1.0 + self.std * z);
+    fn series(&self, z: f64, _: f64) -> Vec<[f64; 4]> {
+        let (p, by) = (self.mean * (1.0 + self.std * z), self.mean * self.std);
         let [c, d, e] = &self.terms;
-        c.iter().zip(d).zip(e).map(|((c, d), e)| c + p * (d + p * e)).collect()
-    }
-
-    fn derivative(&self, z: f64) -> Vec<f64> {
-        let p = self.mean * (1.0 + self.std * z);
-        let [_, d, e] = &self.terms;
-        d.iter().zip(e).map(|(d, e)| (d + 2.0 * p * e) * self.mean * self.std).collect()
+        let each = c.iter().zip(d).zip(e);
+        each.map(|((c, d), e)| [c + p * (d + p * e), by * (d + 2.0 * p * e), by * by * e, 0.0]).collect()
     }
 }
 
@@ -175,9 +170,9 @@ fn compare(seeds: std::ops::Range<u64>) -> usize {
     for seed in seeds {
         let kind = KINDS[(seed % KINDS.len() as u64) as usize];
         let (problem, path, region) = model(kind, seed);
-        let branches: &dyn Branches = &DenseBranches { problem: &problem, path: &path };
+        let intervals: &mut dyn Intervals = &mut Covering::new(&problem, &path, &region);
         let places = [-9.0, -6.5, -4.5, -3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0, 4.5, 6.5, 9.0];
-        let found = branches.unstable_values(&region, &places, STEPS, &NoMemory).unwrap();
+        let found = intervals.unstable_values(&places, STEPS, &NoMemory).unwrap();
         // Critical values are those of the threshold itself, where eigenvalues are not undamped to rounding.
         let by = if kind == Kind::Undamped { 0.0 } else { RESOLUTION };
         let counted = Region { damping_ratio: region.damping_ratio + by, ..region };
@@ -252,8 +247,8 @@ fn searches_over_a_parameter_find_what_one_eigenvalue_problem_shows() {
         };
         let unstable: Vec<[f64; 2]> = breaks.windows(2).filter(is_unstable).map(|two| [two[0], two[1]]).collect();
         let expected = probability(&unstable);
-        let branches: &dyn Branches = &DenseBranches { problem: &problem, path: &path };
-        let found = branches.unstable_values(&region, &[-9.0, -4.5, 0.0, 4.5, 9.0], STEPS, &NoMemory).unwrap();
+        let intervals: &mut dyn Intervals = &mut Covering::new(&problem, &path, &region);
+        let found = intervals.unstable_values(&[-9.0, -4.5, 0.0, 4.5, 9.0], STEPS, &NoMemory).unwrap();
         let [low, high] = [&found.surely, &found.possibly].map(|set| probability(set));
         assert!(
             low - 1e-9 <= expected && expected <= high + 1e-9 && high - low < 1e-9,
@@ -277,4 +272,76 @@ fn searches_over_a_parameter_find_what_all_eigenvalues_show() {
 fn searches_over_a_parameter_of_many_models_find_what_all_eigenvalues_show() {
     let between = compare(1000..6000);
     assert!(between > 1000, "{between}");
+}
+
+/// Models at which searches that interpolate between places go wrong without a word, by Routh and Hurwitz or in closed form:
+/// the parameter is normal with this mean and standard deviation.
+#[test]
+fn windows_that_places_do_not_show_are_found() {
+    let none = || DMatrix::zeros(2, 2);
+    let one = |value: f64| DMatrix::from_element(1, 1, value);
+    let alone = |damping: [f64; 3], stiffness: [f64; 2]| {
+        (damping.map(one).to_vec(), vec![one(stiffness[0]), one(stiffness[1]), one(0.0)])
+    };
+    let grazing = |depth: f64| alone([1e-4 - depth, -0.02, 1.0], [1.0, 0.0]);
+    let stiff = dmatrix![0.0, 1.0, 1.0; -1.0, 0.0, 1.0; 1.0, 1.0, 0.0];
+    let beside_stiff = vec![DMatrix::from_diagonal(&dvector![1.0, 1.1, 1e12]), stiff.clone(), stiff * 0.0];
+    // Of the soft two, k = 1.05 +- i sqrt(p^2 - 0.05^2), with (Im k)^2 = c^2 Re k.
+    let flutters = (0.0025_f64 + 1e-4 * 1.05).sqrt();
+    let beside_stiff_one = below((0.04 - flutters) / 0.02) + below((-0.04 - flutters) / 0.02);
+    let passing = dmatrix![0.0, 0.0; 0.0, -1.0];
+    for (name, (damping, stiffness), [mean, std], expected) in [
+        (
+            "a narrow window of flutter",
+            (
+                vec![DMatrix::identity(2, 2) * 1e-6, none(), none()],
+                vec![dmatrix![1.0, 1e-5; -1e-5, 2.137], passing.clone(), none()],
+            ),
+            [1.0, 0.1],
+            6.211_893_486_6e-5,
+        ),
+        (
+            "a narrow window of stability",
+            (
+                vec![dmatrix![-1e-3, 0.0; 0.0, 3e-3], none(), none()],
+                vec![dmatrix![1.0, 2e-3; 2e-3, 2.137], passing, none()],
+            ),
+            [1.0, 0.1],
+            0.996_395_372_860_4,
+        ),
+        ("a stiff coordinate", (vec![DMatrix::identity(3, 3) * 0.01; 1], beside_stiff), [0.04, 0.02], beside_stiff_one),
+        (
+            "modes that are one at the median",
+            (
+                vec![DMatrix::identity(2, 2) * 0.01],
+                vec![DMatrix::identity(2, 2), dmatrix![0.0, 1.0; -1.0, 0.0], none()],
+            ),
+            [0.0, 0.01],
+            2.0 * below(-1.0),
+        ),
+        ("divergence without damping", alone([0.0; 3], [1.0, -1.0]), [0.8, 0.1], below(-2.0)),
+        ("damping that grazes zero", grazing(1e-6), [0.01, 0.01], below(0.1) - below(-0.1)),
+        ("damping that does not", grazing(-1e-6), [0.01, 0.01], 0.0),
+    ] {
+        let size = stiffness[0].nrows();
+        let terms = [damping.len(), stiffness.len()];
+        let coefficient = |order: usize| {
+            let of = |terms: usize| (0..terms).map(|index| f64::from(u8::from(index == order))).collect::<Vec<_>>();
+            [of(terms[0]), of(terms[1])].concat()
+        };
+        let typical = vec![1.0; terms[0] + terms[1]];
+        let problem = DenseQuadratic::new(&DMatrix::identity(size, size), &damping, &stiffness, &typical).unwrap();
+        // The place is p - 1.
+        let path = OverDeviate { terms: [0, 1, 2].map(coefficient), mean: 1.0, std: 1.0 };
+        let region = Region { lowest: 0.0, highest: f64::INFINITY, damping_ratio: 0.0 };
+        let places: Vec<f64> = (-4..=4).map(|z| mean + 2.0 * f64::from(z) * std - 1.0).collect();
+        let intervals: &mut dyn Intervals = &mut Covering::new(&problem, &path, &region);
+        let found = intervals.unstable_values(&places, STEPS, &NoMemory).unwrap();
+        let deviates =
+            |set: &[[f64; 2]]| set.iter().map(|ends| ends.map(|z| (z + 1.0 - mean) / std)).collect::<Vec<_>>();
+        let [low, high] = [&found.surely, &found.possibly].map(|set| probability(&deviates(set)));
+        let error = 1e-9 * (1.0 - expected).min(expected).max(1e-4) + 1e-9;
+        assert!(low - error <= expected && expected <= high + error, "{name}: {low} to {high}, not {expected}");
+        assert!(high - low <= 1e-8, "{name}: {low} to {high}");
+    }
 }

@@ -1,0 +1,298 @@
+//! Discs that hold the eigenvalues of a problem over an interval of a path, whatever the parameter is in it.
+
+use nalgebra::{Complex, DMatrix, DVector};
+
+use super::branches::Path;
+use super::eigenbasis::{ComplexMatrix, Decomposition, Split};
+use super::quadratic::{DenseQuadratic, Quadratic};
+use super::region::magnitude;
+use crate::numerics::eigenvalues::Eigenvalue;
+
+/// Vectors are turned towards those of the whole interval where this part of the distance of two eigenvalues is more than what
+/// couples them over it.
+const TURNED: f64 = 0.25;
+
+/// Relative rounding of sums and products of matrices.
+const ROUNDING: f64 = 8.0 * f64::EPSILON;
+
+/// Parts of an eigenvalue by which two of a cluster differ at most.
+const CLUSTER: f64 = 1e-5;
+
+/// The most eigenvalues of a cluster.
+const LARGEST_CLUSTER: usize = 8;
+
+/// The part of the distance to the nearest other disc that a disc may have.
+pub(super) const SHARE: f64 = 0.25;
+
+/// Larger scales say no more.
+const LARGEST_SCALE: f64 = 1e12;
+
+/// A problem at a place of a path, in the basis of its eigenvectors, with its changes along the path.
+///
+/// With `A(p + d) = A + d A_1 + d^2 A_2 + rest`, `A X = X diag(lambda)` and `Y = X^-1`, these are `Y A_1 X` and `Y A_2 X`, and bounds
+/// of the moduli of `Y (rest) X` and of all rounding.
+pub(super) struct Expansion {
+    eigenvalues: Vec<Eigenvalue>,
+    vectors: ComplexMatrix,
+    inverse: ComplexMatrix,
+    first: ComplexMatrix,
+    second: Option<ComplexMatrix>,
+    rest: DMatrix<f64>,
+}
+
+impl Expansion {
+    /// The expansion about `p` for steps up to `step` from there; nothing where there is none.
+    pub(super) fn new(problem: &DenseQuadratic, path: &dyn Path, p: f64, step: f64) -> Option<Self> {
+        let series = path.series(p, step);
+        if series.iter().flatten().any(|value| !value.is_finite()) {
+            return None;
+        }
+        let of_order = |order: usize| series.iter().map(|of_term| of_term[order]).collect::<Vec<f64>>();
+        let here = problem.at(&of_order(0));
+        let Decomposition { eigenvalues, vectors, inverse } = Decomposition::balanced(&here)?;
+        let (left, right) = (Split::new(&inverse), Split::new(&vectors));
+        let in_basis = |change: &Quadratic| left.times(&right.multiplied_by(change, true));
+
+        let mut rest = left.times(&right.multiplied_by(&here, false));
+        for (index, value) in eigenvalues.iter().enumerate() {
+            rest[(index, index)] -= value;
+        }
+        // What rounding may have made, and what the path has beyond its second order.
+        let size = |of_term: &[f64; 4]| {
+            let [value, slope, curvature, beyond] = of_term.map(f64::abs);
+            ROUNDING * (value + step * (slope + step * curvature)) + beyond
+        };
+        let sizes: Vec<f64> = series.iter().map(size).collect();
+        let errors = problem.magnitudes_at(&sizes);
+        let (left, right) = (inverse.map(magnitude), vectors.map(magnitude));
+        let coordinates = problem.size();
+        let [upper, lower] = [0, coordinates].map(|from| right.rows(from, coordinates).into_owned());
+        let mut noise = DMatrix::zeros(2 * coordinates, 2 * coordinates);
+        noise.rows_mut(0, coordinates).copy_from(&(&lower * ROUNDING));
+        noise.rows_mut(coordinates, coordinates).copy_from(&(&errors.stiffness * upper + &errors.damping * lower));
+        let rest = rest.map(magnitude) + left * noise;
+
+        let second = of_order(2);
+        Some(Self {
+            first: in_basis(&problem.at(&of_order(1))),
+            second: second.iter().any(|value| *value != 0.0).then(|| in_basis(&problem.at(&second))),
+            eigenvalues,
+            vectors,
+            inverse,
+            rest,
+        })
+    }
+
+    /// The displacements and the left vector of an eigenvalue.
+    pub(super) fn vectors(&self, index: usize) -> [DVector<Complex<f64>>; 2] {
+        let coordinates = self.eigenvalues.len() / 2;
+        let right = self.vectors.view((0, index), (coordinates, 1)).column(0).into_owned();
+        let left = self.inverse.view((index, coordinates), (1, coordinates)).row(0).transpose();
+        [right, left]
+    }
+
+    /// Discs for all steps from `-step` to `step`; nothing where the vectors turn too much.
+    ///
+    /// `(1 + d E)^-1 Y A X (1 + d E)` has the eigenvalues of A. With `E_ij = (Y A_1 X)_ij / (lambda_j - lambda_i)` where that stays
+    /// small over the interval, what it has outside of its diagonal is of second order; Gershgorin's discs of it, scaled, are small.
+    pub(super) fn discs(&self, step: f64) -> Option<Discs> {
+        let states = self.eigenvalues.len();
+        let lambda = &self.eigenvalues;
+        let zero = Complex::from(0.0);
+        let mut turns = ComplexMatrix::zeros(states, states);
+        let mut direct = ComplexMatrix::zeros(states, states);
+        for j in 0..states {
+            for i in (0..states).filter(|i| *i != j) {
+                let (coupling, gap) = (self.first[(i, j)], lambda[j] - lambda[i]);
+                if coupling == zero {
+                    continue;
+                }
+                if step * magnitude(coupling) <= TURNED * magnitude(gap) {
+                    turns[(i, j)] = coupling / gap;
+                } else {
+                    direct[(i, j)] = coupling;
+                }
+            }
+        }
+        let slopes: Vec<Complex<f64>> = self.first.diagonal().iter().copied().collect();
+        let [first, turn] = [&self.first, &turns].map(Split::new);
+        let mut second = first.times(&turn) - turn.times(&Split::new(&direct));
+        for (j, mut column) in second.column_iter_mut().enumerate() {
+            column -= turns.column(j) * slopes[j];
+        }
+        let mut third = ComplexMatrix::zeros(states, states);
+        if let Some(own) = &self.second {
+            second += own;
+            third += Split::new(own).times(&turn);
+        }
+        third -= turn.times(&Split::new(&second));
+        let fourth = -turn.times(&Split::new(&third));
+
+        let sizes = turns.map(magnitude);
+        let identity = DMatrix::<f64>::identity(states, states);
+        let inverse = (&identity - &sizes * step).lu().try_inverse()?;
+        // The series of |E| converges where all entries are positive, but for rounding.
+        if inverse.iter().any(|entry| entry.is_nan() || *entry < -1e-12) {
+            return None;
+        }
+        let inverse = inverse.map(|entry| entry.max(0.0));
+        let fifth = &sizes * (&inverse * fourth.map(magnitude));
+        let rest = &inverse * (&self.rest * (identity + &sizes * step));
+        let square = step * step;
+        let powers = [step, square, square * step, square * square, square * square * step];
+        let mut outside = DMatrix::from_fn(states, states, |i, j| {
+            let of = [
+                magnitude(direct[(i, j)]),
+                magnitude(second[(i, j)]),
+                magnitude(third[(i, j)]),
+                magnitude(fourth[(i, j)]),
+            ];
+            let of = of.iter().zip(powers).map(|(entry, power)| entry * power).sum::<f64>();
+            of + fifth[(i, j)] * powers[4] + rest[(i, j)]
+        });
+        outside.fill_diagonal(0.0);
+        let own: Vec<f64> = (0..states).map(|i| fifth[(i, i)] * powers[4] + rest[(i, i)]).collect();
+        let centres: Vec<[Complex<f64>; 5]> =
+            (0..states).map(|i| [lambda[i], slopes[i], second[(i, i)], third[(i, i)], fourth[(i, i)]]).collect();
+        if outside.iter().chain(&own).any(|value| !value.is_finite()) {
+            return None;
+        }
+        let apart = DMatrix::from_fn(states, states, |i, j| {
+            if i == j {
+                return f64::INFINITY;
+            }
+            let [gap, moves @ ..] = [0, 1, 2, 3, 4].map(|order| magnitude(centres[i][order] - centres[j][order]));
+            gap - moves.iter().zip(powers).map(|(moved, power)| moved * power).sum::<f64>() - own[i] - own[j]
+        });
+        let mut discs = Discs {
+            step,
+            centres,
+            outside,
+            own,
+            apart,
+            rounding: rest.diagonal().iter().copied().collect(),
+            radii: Vec::new(),
+        };
+        discs.radii = discs.isolated();
+        Some(discs)
+    }
+}
+
+/// A disc that holds exactly one eigenvalue, or one of a cluster that hold as many as they are.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Isolated {
+    /// Its radius.
+    pub(super) radius: f64,
+    /// The distance of its centre from the discs of all others, where these have no more than [`SHARE`] of theirs.
+    pub(super) gap: f64,
+    /// How many discs the cluster has.
+    pub(super) cluster: usize,
+}
+
+/// What holds the eigenvalues over an interval from `-step` to `step` about a place.
+pub(super) struct Discs {
+    pub(super) step: f64,
+    /// The coefficients of the centres by powers of the step.
+    pub(super) centres: Vec<[Complex<f64>; 5]>,
+    /// Bounds of what couples one with another.
+    outside: DMatrix<f64>,
+    /// By how much a centre may be off.
+    pub(super) own: Vec<f64>,
+    /// Lower bounds of the distances of centres.
+    apart: DMatrix<f64>,
+    /// The part of `own` that does not become smaller with the interval.
+    pub(super) rounding: Vec<f64>,
+    /// Those that are apart from all others.
+    pub(super) radii: Vec<Option<Isolated>>,
+}
+
+impl Discs {
+    /// The discs that are apart from all others. A row is scaled by t, so that its own disc shrinks by that and the others
+    /// grow by what it couples with them.
+    fn isolated(&self) -> Vec<Option<Isolated>> {
+        let states = self.own.len();
+        let sums: Vec<f64> = self.outside.row_iter().map(|row| row.sum()).collect();
+        let alone = |i: usize| {
+            let gap = (0..states).map(|j| self.apart[(i, j)]).fold(f64::INFINITY, f64::min);
+            let scale = (0..states).filter(|j| *j != i).map(|j| {
+                let room = self.apart[(i, j)] - SHARE * gap - sums[j];
+                if self.outside[(j, i)] > 0.0 { room / self.outside[(j, i)] } else { room.signum() * LARGEST_SCALE }
+            });
+            let scale = scale.fold(LARGEST_SCALE, f64::min);
+            let radius = sums[i] / scale;
+            (gap > 0.0 && scale > 0.0 && radius <= SHARE * gap).then_some(Isolated {
+                radius: radius + self.own[i],
+                gap,
+                cluster: 1,
+            })
+        };
+        let mut radii: Vec<Option<Isolated>> = (0..states).map(alone).collect();
+        for i in 0..states {
+            if radii[i].is_some() {
+                continue;
+            }
+            for (index, isolated) in self.cluster(i, &sums) {
+                radii[index] = Some(isolated);
+            }
+        }
+        radii
+    }
+
+    /// Eigenvalues that are nearly one, whose rows are scaled together; none where they are not apart from the others.
+    fn cluster(&self, of: usize, sums: &[f64]) -> Vec<(usize, Isolated)> {
+        let value = |i: usize| self.centres[i][0];
+        let is_near = |i: &usize| magnitude(value(*i) - value(of)) <= CLUSTER * magnitude(value(of));
+        let (own, others): (Vec<usize>, Vec<usize>) = (0..self.own.len()).partition(is_near);
+        if own.len() < 2 || own.len() > LARGEST_CLUSTER {
+            return Vec::new();
+        }
+        let distance = |j: &usize| own.iter().map(|&i| self.apart[(i, *j)]).fold(f64::INFINITY, f64::min);
+        let gap = others.iter().map(distance).fold(f64::INFINITY, f64::min);
+        let scale = others.iter().map(|j| {
+            let room = distance(j) - SHARE * gap - sums[*j];
+            let coupled: f64 = own.iter().map(|&i| self.outside[(*j, i)]).sum();
+            if coupled > 0.0 { room / coupled } else { room.signum() * LARGEST_SCALE }
+        });
+        let scale = scale.fold(LARGEST_SCALE, f64::min);
+        if !(gap > 0.0 && scale > 0.0) {
+            return Vec::new();
+        }
+        let sum = |i: usize, over: &[usize]| over.iter().map(|&j| self.outside[(i, j)]).sum::<f64>();
+        let radii: Vec<f64> = own.iter().map(|&i| sum(i, &others) / scale + sum(i, &own)).collect();
+        if radii.iter().any(|radius| *radius > SHARE * gap) {
+            return Vec::new();
+        }
+        let isolated = |(&index, radius): (&usize, f64)| {
+            (index, Isolated { radius: radius + self.own[index], gap, cluster: own.len() })
+        };
+        own.iter().zip(radii).map(isolated).collect()
+    }
+
+    /// Radii below the allowed ones with which all discs hold, as many eigenvalues in any union of discs that is apart from the
+    /// others as it has discs; nothing where there are none. `(1 - diag(1 / r) O) s = 1` gives the scales.
+    pub(super) fn within(&self, allowed: &[f64]) -> Option<Vec<f64>> {
+        if !allowed.iter().all(|radius| *radius > 0.0) {
+            return None;
+        }
+        let states = allowed.len();
+        let matrix =
+            DMatrix::from_fn(states, states, |i, j| f64::from(u8::from(i == j)) - self.outside[(i, j)] / allowed[i]);
+        let scales = matrix.lu().solve(&DVector::from_element(states, 1.0))?;
+        if !scales.iter().all(|scale| *scale > 0.0 && *scale < LARGEST_SCALE) {
+            return None;
+        }
+        let coupled = &self.outside * &scales;
+        let radii: Vec<f64> = coupled.iter().zip(scales.iter()).map(|(coupled, scale)| coupled / scale).collect();
+        radii.iter().zip(allowed).all(|(radius, allowed)| radius < allowed).then_some(radii)
+    }
+
+    /// The least distance of two centres.
+    pub(super) fn distance(&self, i: usize, j: usize) -> f64 {
+        self.apart[(i, j)]
+    }
+
+    /// A centre at a step.
+    pub(super) fn centre(&self, index: usize, step: f64) -> Complex<f64> {
+        self.centres[index].iter().rev().fold(Complex::from(0.0), |sum, coefficient| sum * step + coefficient)
+    }
+}
