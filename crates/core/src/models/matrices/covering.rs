@@ -74,6 +74,8 @@ struct Distance {
     most: f64,
     /// What the third and fourth powers make at most.
     slack: f64,
+    /// Whether the centre passes the real axis, where the frequency turns back.
+    is_folded: bool,
 }
 
 /// An eigenvalue beside the region.
@@ -98,6 +100,9 @@ impl<'a> Covering<'a> {
 
     /// The parts of an interval; nothing where it is to be halved.
     fn parts(&self, ends: [f64; 2], depth: usize) -> Option<Vec<Part>> {
+        if self.branches.problem.size() == 0 {
+            return Some(vec![Part { ends, is_unstable: Some(false) }]);
+        }
         let (p, step) = middle(ends);
         let expansion = self.expansion(p, step)?;
         let discs = expansion.discs(step)?;
@@ -242,7 +247,7 @@ impl<'a> Covering<'a> {
                 distances.push(of(Target::Growth, 1.0, 0.0, -ZERO));
             }
         } else {
-            let cosine = ((1.0 - threshold) * (1.0 + threshold)).sqrt();
+            let cosine = ((1.0 - threshold) * (1.0 + threshold)).max(0.0).sqrt();
             distances.push(of(Target::DampingRatio(threshold), cosine, threshold, 0.0));
             if lowest > 0.0 {
                 distances.push(of(Target::Frequency(lowest), 0.0, 1.0, -lowest));
@@ -255,6 +260,7 @@ impl<'a> Covering<'a> {
             for distance in &mut distances {
                 distance.least -= folded;
                 distance.most += folded;
+                distance.is_folded = folded > 0.0;
             }
         }
         let (inside, outside) = if distances.is_empty() {
@@ -263,7 +269,9 @@ impl<'a> Covering<'a> {
             let least = distances.iter().map(|distance| distance.least).fold(f64::INFINITY, f64::min);
             let most = distances.iter().map(|distance| distance.most).fold(f64::INFINITY, f64::min);
             // Next to zero nothing is unstable.
-            (least - if is_real { 0.0 } else { 2.0 * ZERO }, -most)
+            let [re, im] = [of(Target::Growth, 1.0, 0.0, 0.0), of(Target::Growth, 0.0, 1.0, 0.0)];
+            let largest = [re.least, re.most, im.least, im.most].into_iter().map(f64::abs).fold(0.0, f64::max);
+            if is_real { (least, -most) } else { (least - 2.0 * ZERO, (-most).max(ZERO - largest)) }
         };
         let largest = |re: bool| {
             let part = of(Target::Growth, f64::from(u8::from(re)), f64::from(u8::from(!re)), 0.0);
@@ -293,7 +301,8 @@ impl<'a> Covering<'a> {
                 continue;
             }
             if isolated.radius < eigenvalue.inside {
-                if is_all {
+                // Of a cluster one disc may hold what another has lost.
+                if is_all || isolated.cluster > 1 {
                     continue;
                 }
                 return Said::Unstable;
@@ -332,7 +341,7 @@ impl Seen {
 
     fn is_unstable_at(&self, step: f64) -> bool {
         let is_beyond = |distance: &Distance| distance.at(step) > 0.0;
-        !self.is_exact && self.outside < f64::INFINITY && self.distances.iter().all(is_beyond)
+        !self.is_exact && self.outside <= 0.0 && self.distances.iter().all(is_beyond)
     }
 }
 
@@ -346,7 +355,7 @@ impl Distance {
         let values = [at(-step), at(step), inner];
         let least = values.into_iter().fold(f64::INFINITY, f64::min) - slack;
         let most = values.into_iter().fold(f64::NEG_INFINITY, f64::max) + slack;
-        Self { target, coefficients, least, most, slack }
+        Self { target, coefficients, least, most, slack, is_folded: false }
     }
 
     fn at(&self, step: f64) -> f64 {
@@ -360,7 +369,7 @@ fn crossing(discs: &Discs, eigenvalue: &Seen, index: usize, radius: f64) -> Opti
     let (met, others): (Vec<&Distance>, Vec<&Distance>) =
         eigenvalue.distances.iter().partition(|distance| distance.least <= radius && distance.most >= -radius);
     let [met] = met[..] else { return None };
-    if others.iter().any(|distance| distance.least <= radius) {
+    if met.is_folded || others.iter().any(|distance| distance.least <= radius) {
         return None;
     }
     let [a, b, c, d, e] = met.coefficients;

@@ -38,6 +38,8 @@ pub(super) struct Expansion {
     first: ComplexMatrix,
     second: Option<ComplexMatrix>,
     rest: DMatrix<f64>,
+    /// The part of rounding in the rest of each eigenvalue.
+    rounding: Vec<f64>,
 }
 
 impl Expansion {
@@ -57,20 +59,29 @@ impl Expansion {
         for (index, value) in eigenvalues.iter().enumerate() {
             rest[(index, index)] -= value;
         }
-        // What rounding may have made, and what the path has beyond its second order.
-        let size = |of_term: &[f64; 4]| {
-            let [value, slope, curvature, beyond] = of_term.map(f64::abs);
-            ROUNDING * (value + step * (slope + step * curvature)) + beyond
-        };
-        let sizes: Vec<f64> = series.iter().map(size).collect();
-        let errors = problem.magnitudes_at(&sizes);
         let (left, right) = (inverse.map(magnitude), vectors.map(magnitude));
         let coordinates = problem.size();
         let [upper, lower] = [0, coordinates].map(|from| right.rows(from, coordinates).into_owned());
-        let mut noise = DMatrix::zeros(2 * coordinates, 2 * coordinates);
-        noise.rows_mut(0, coordinates).copy_from(&(&lower * ROUNDING));
-        noise.rows_mut(coordinates, coordinates).copy_from(&(&errors.stiffness * upper + &errors.damping * lower));
-        let rest = rest.map(magnitude) + left * noise;
+        let noise = |sizes: &[f64], unit: f64| {
+            let errors = problem.magnitudes_at(sizes);
+            let mut noise = DMatrix::zeros(2 * coordinates, 2 * coordinates);
+            noise.rows_mut(0, coordinates).copy_from(&(&lower * unit));
+            noise
+                .rows_mut(coordinates, coordinates)
+                .copy_from(&(&errors.stiffness * &upper + &errors.damping * &lower));
+            &left * noise
+        };
+        let size = |of_term: &[f64; 4]| {
+            let [value, slope, curvature, _] = of_term.map(f64::abs);
+            ROUNDING * (value + step * (slope + step * curvature))
+        };
+        let mut rest = rest.map(magnitude) + noise(&series.iter().map(size).collect::<Vec<f64>>(), ROUNDING);
+        let rounding = rest.diagonal().iter().copied().collect();
+        // What the path has beyond its second order.
+        let beyond = of_order(3);
+        if beyond.iter().any(|value| *value != 0.0) {
+            rest += noise(&beyond, 0.0);
+        }
 
         let second = of_order(2);
         Some(Self {
@@ -80,6 +91,7 @@ impl Expansion {
             vectors,
             inverse,
             rest,
+            rounding,
         })
     }
 
@@ -107,7 +119,7 @@ impl Expansion {
                 if coupling == zero {
                     continue;
                 }
-                if step * magnitude(coupling) <= TURNED * magnitude(gap) {
+                if magnitude(gap) > 0.0 && step * magnitude(coupling) <= TURNED * magnitude(gap) {
                     turns[(i, j)] = coupling / gap;
                 } else {
                     direct[(i, j)] = coupling;
@@ -164,15 +176,8 @@ impl Expansion {
             let [gap, moves @ ..] = [0, 1, 2, 3, 4].map(|order| magnitude(centres[i][order] - centres[j][order]));
             gap - moves.iter().zip(powers).map(|(moved, power)| moved * power).sum::<f64>() - own[i] - own[j]
         });
-        let mut discs = Discs {
-            step,
-            centres,
-            outside,
-            own,
-            apart,
-            rounding: rest.diagonal().iter().copied().collect(),
-            radii: Vec::new(),
-        };
+        let mut discs =
+            Discs { step, centres, outside, own, apart, rounding: self.rounding.clone(), radii: Vec::new() };
         discs.radii = discs.isolated();
         Some(discs)
     }
@@ -200,7 +205,7 @@ pub(super) struct Discs {
     pub(super) own: Vec<f64>,
     /// Lower bounds of the distances of centres.
     apart: DMatrix<f64>,
-    /// The part of `own` that does not become smaller with the interval.
+    /// About the part of `own` that does not become smaller with the interval.
     pub(super) rounding: Vec<f64>,
     /// Those that are apart from all others.
     pub(super) radii: Vec<Option<Isolated>>,

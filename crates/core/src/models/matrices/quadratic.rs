@@ -6,7 +6,7 @@ use thiserror::Error;
 use super::rigid_body::{free, without_free};
 use crate::numerics::eigenvalues::{Eigenvalue, EigenvalueError, eigenvalues};
 
-/// The asymmetry of a matrix, over its largest entry, that rounding makes.
+/// The difference of two entries, over their size, that rounding makes.
 const ROUNDING: f64 = 1e-14;
 
 /// `(lambda^2 M + lambda C + K) q = 0` with `C = sum_i c_i C_i` and `K = sum_j k_j K_j`, the c_i and k_j being
@@ -174,10 +174,14 @@ impl DenseQuadratic {
     /// stiffness and gyroscopic forces alone.
     pub(super) fn is_mirrored(&self) -> bool {
         let (damping, stiffness) = self.terms.split_at(self.damping_terms);
-        let is_zero = |matrix: DMatrix<f64>, of: &DMatrix<f64>| matrix.amax() <= ROUNDING * of.amax();
+        let is_its_transpose_times = |term: &DMatrix<f64>, sign: f64| {
+            term.iter()
+                .zip(term.transpose().iter())
+                .all(|(a, b)| (a - sign * b).abs() <= ROUNDING * (a.abs() + b.abs()))
+        };
         damping.iter().all(|term| term.amax() == 0.0)
-            || damping.iter().all(|term| is_zero(term + term.transpose(), term))
-                && stiffness.iter().all(|term| is_zero(term - term.transpose(), term))
+            || damping.iter().all(|term| is_its_transpose_times(term, -1.0))
+                && stiffness.iter().all(|term| is_its_transpose_times(term, 1.0))
     }
 }
 

@@ -345,3 +345,57 @@ fn windows_that_places_do_not_show_are_found() {
         assert!(high - low <= 1e-8, "{name}: {low} to {high}");
     }
 }
+
+/// Models that go wrong where a part of the proof is left out. The parameter goes from -1 to 1 or within given ends.
+#[test]
+fn what_a_proof_needs_is_looked_at() {
+    let skew = dmatrix![0.0, 1.0; -1.0, 0.0];
+    let s = 8e-5;
+    let one_sided = |p: f64| dmatrix![1.0, 0.07 * s * p; 2.0 * s * p, 1.0];
+    let cluster = [one_sided(0.0), one_sided(1.0) - one_sided(0.0)];
+    let mut stiff = DMatrix::from_diagonal(&dvector![1.0, 1.5, 1e12]);
+    (stiff[(0, 1)], stiff[(1, 0)]) = (0.004, -0.004);
+    let gyroscopic = dmatrix![0.0, -0.5, 0.0; 0.5, 0.0, 0.0; 0.0, 0.0, 0.0];
+    // Friction beside a spring that is 1e12 times as stiff is no rounding of a symmetric matrix.
+    let beside_stiff = DenseQuadratic::new(&DMatrix::identity(3, 3), &[gyroscopic], &[stiff], &[1.0; 2]).unwrap();
+    assert!(!beside_stiff.is_mirrored());
+    let slow = DMatrix::identity(2, 2) * 0.1 + &skew * -1e-7;
+    let turning = -DMatrix::identity(2, 2) + &skew;
+    let free = dmatrix![1.0, -1.0, 0.0, 0.0; -1.0, 1.0, 0.0, 0.0; 0.0, 0.0, 1.0, -1.0; 0.0, 0.0, -1.0, 1.0];
+    let zero = DMatrix::zeros(4, 4);
+    let all = [-1.0, 1.0];
+    for (name, damping, stiffness, threshold, ends) in [
+        // A disc of two that may have lost its eigenvalue to the other.
+        ("cluster", DMatrix::from_diagonal(&dvector![-0.1 * s, 0.14 * s]), cluster, 0.0, all),
+        // A slow pair whose frequency passes zero.
+        ("slow", DMatrix::identity(2, 2) * 10.0, [slow, turning], -0.5, [-0.2, 0.2]),
+        // Two rigid-body motions that damping holds: two eigenvalues that are zero.
+        ("free", DMatrix::identity(4, 4) * 0.1, [free, zero], 0.0, all),
+    ] {
+        let size = damping.nrows();
+        let problem =
+            DenseQuadratic::new(&DMatrix::identity(size, size), &[damping], &stiffness, &[1.0, 1.0, 0.0]).unwrap();
+        let path = OverDeviate { terms: [vec![1.0, 1.0, 0.0], vec![0.0, 0.0, 1.0], vec![0.0; 3]], mean: 1.0, std: 1.0 };
+        let region = Region { lowest: 0.0, highest: f64::INFINITY, damping_ratio: threshold };
+        let intervals: &mut dyn Intervals = &mut Covering::new(&problem, &path, &region);
+        let ends = ends.map(|p| p - 1.0);
+        let found = intervals.unstable_values(&ends, STEPS, &NoMemory).unwrap();
+        let open: f64 = [&found.possibly, &found.surely]
+            .map(|set| set.iter().map(|[a, b]| b - a).sum::<f64>())
+            .iter()
+            .rev()
+            .fold(0.0, |rest, size| size - rest);
+        assert!(open < 1e-4, "{name}: {found:?}");
+        let mut checked = 0;
+        for part in 0..=200 {
+            let z = ends[0] + (ends[1] - ends[0]) * (f64::from(part) + 0.37) / 202.0;
+            let Ok(values) = problem.at(&path.coefficients(z)).eigenvalues() else { continue };
+            checked += 1;
+            let is_unstable = values.iter().any(|value| region.contains(*value));
+            let has = |set: &[[f64; 2]]| set.iter().any(|[from, to]| (*from..=*to).contains(&z));
+            assert!(has(&found.possibly) || !is_unstable, "{name}: {z} {found:?}");
+            assert!(!has(&found.surely) || is_unstable, "{name}: {z} {found:?} {values:?}");
+        }
+        assert!(checked > 150, "{name}: {checked}");
+    }
+}
