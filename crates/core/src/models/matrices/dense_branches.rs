@@ -93,7 +93,7 @@ mod tests {
     use crate::models::matrices::branches::Line;
     use crate::models::matrices::covering::Covering;
     use crate::models::matrices::region::RESOLUTION;
-    use crate::models::matrices::sweep::{Intervals, Steps, Sweep};
+    use crate::models::matrices::sweep::{Intervals, Nodes, Steps, Sweep};
     use crate::models::matrices::trial::problem;
     use crate::numerics::eigenvalues::Eigenvalue;
 
@@ -102,8 +102,7 @@ mod tests {
     const STEPS: Steps = Steps { joined: 3, halvings: 44, most: 1000 };
 
     fn sweep(problem: &DenseQuadratic, path: &Line, region: &Region, within: [f64; 2]) -> Sweep {
-        let intervals: &mut dyn Intervals = &mut Covering::new(problem, path, region);
-        intervals.sweep(&evenly(within, FIRST), STEPS).unwrap()
+        Nodes::new(&DenseBranches { problem, path }, region).sweep(&evenly(within, FIRST), STEPS).unwrap()
     }
 
     /// A random problem, and the path along one of its coefficients.

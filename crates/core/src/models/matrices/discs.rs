@@ -22,7 +22,7 @@ const CLUSTER: f64 = 1e-5;
 const LARGEST_CLUSTER: usize = 8;
 
 /// The part of the distance to the nearest other disc that a disc may have.
-pub(super) const SHARE: f64 = 0.25;
+const SHARE: f64 = 0.25;
 
 /// Larger scales say no more.
 const LARGEST_SCALE: f64 = 1e12;
@@ -33,8 +33,6 @@ const LARGEST_SCALE: f64 = 1e12;
 /// of the moduli of `Y (rest) X` and of all rounding.
 pub(super) struct Expansion {
     eigenvalues: Vec<Eigenvalue>,
-    vectors: ComplexMatrix,
-    inverse: ComplexMatrix,
     first: ComplexMatrix,
     second: Option<ComplexMatrix>,
     rest: DMatrix<f64>,
@@ -88,19 +86,9 @@ impl Expansion {
             first: in_basis(&problem.at(&of_order(1))),
             second: second.iter().any(|value| *value != 0.0).then(|| in_basis(&problem.at(&second))),
             eigenvalues,
-            vectors,
-            inverse,
             rest,
             rounding,
         })
-    }
-
-    /// The displacements and the left vector of an eigenvalue.
-    pub(super) fn vectors(&self, index: usize) -> [DVector<Complex<f64>>; 2] {
-        let coordinates = self.eigenvalues.len() / 2;
-        let right = self.vectors.view((0, index), (coordinates, 1)).column(0).into_owned();
-        let left = self.inverse.view((index, coordinates), (1, coordinates)).row(0).transpose();
-        [right, left]
     }
 
     /// Discs for all steps from `-step` to `step`; nothing where the vectors turn too much.
@@ -188,7 +176,7 @@ impl Expansion {
 pub(super) struct Isolated {
     /// Its radius.
     pub(super) radius: f64,
-    /// The distance of its centre from the discs of all others, where these have no more than [`SHARE`] of theirs.
+    /// The least distance of its centre from those of all others.
     pub(super) gap: f64,
     /// How many discs the cluster has.
     pub(super) cluster: usize,
@@ -273,31 +261,27 @@ impl Discs {
         own.iter().zip(radii).map(isolated).collect()
     }
 
-    /// Radii below the allowed ones with which all discs hold, as many eigenvalues in any union of discs that is apart from the
-    /// others as it has discs; nothing where there are none. `(1 - diag(1 / r) O) s = 1` gives the scales.
-    pub(super) fn within(&self, allowed: &[f64]) -> Option<Vec<f64>> {
+    /// Whether there are discs within these radii that hold, in any union of discs that is apart from the others, as many
+    /// eigenvalues as it has discs. `(1 - diag(1 / r) O) s = 1` gives the scales.
+    pub(super) fn hold_within(&self, allowed: &[f64]) -> bool {
         if !allowed.iter().all(|radius| *radius > 0.0) {
-            return None;
+            return false;
         }
         let states = allowed.len();
         let matrix =
             DMatrix::from_fn(states, states, |i, j| f64::from(u8::from(i == j)) - self.outside[(i, j)] / allowed[i]);
-        let scales = matrix.lu().solve(&DVector::from_element(states, 1.0))?;
-        if !scales.iter().all(|scale| *scale > 0.0 && *scale < LARGEST_SCALE) {
-            return None;
-        }
+        let Some(scales) = matrix.lu().solve(&DVector::from_element(states, 1.0)) else { return false };
         let coupled = &self.outside * &scales;
-        let radii: Vec<f64> = coupled.iter().zip(scales.iter()).map(|(coupled, scale)| coupled / scale).collect();
-        radii.iter().zip(allowed).all(|(radius, allowed)| radius < allowed).then_some(radii)
+        scales.iter().all(|scale| *scale > 0.0 && *scale < LARGEST_SCALE)
+            && coupled
+                .iter()
+                .zip(scales.iter())
+                .zip(allowed)
+                .all(|((coupled, scale), allowed)| coupled / scale < *allowed)
     }
 
     /// The least distance of two centres.
     pub(super) fn distance(&self, i: usize, j: usize) -> f64 {
         self.apart[(i, j)]
-    }
-
-    /// A centre at a step.
-    pub(super) fn centre(&self, index: usize, step: f64) -> Complex<f64> {
-        self.centres[index].iter().rev().fold(Complex::from(0.0), |sum, coefficient| sum * step + coefficient)
     }
 }

@@ -57,7 +57,7 @@ impl Node<'_> {
 }
 
 /// An eigenvalue stands for itself, or for itself and its conjugate.
-pub(super) fn multiplicity(eigenvalue: Complex) -> i32 {
+fn multiplicity(eigenvalue: Complex) -> i32 {
     if eigenvalue.im == 0.0 { 1 } else { 2 }
 }
 
@@ -251,35 +251,19 @@ impl<'a> Interval<'a> {
         let within = if near < middle.p { [from.p, middle.p] } else { [middle.p, to.p] };
         let start = track.at.into_iter().min_by(|a, b| (a.p - near).abs().total_cmp(&(b.p - near).abs()));
         let there = branches.follow(start.unwrap_or(middle), near);
-        let critical = match there.and_then(|start| branches.critical(target, &start, within)) {
+        let Critical { at, error } = match there.and_then(|start| branches.critical(target, &start, within)) {
             Ok(critical) => critical,
             Err(Error::NotConverged { .. }) => return Ok(None),
             Err(error) => return Err(error),
         };
-        if !critical.error.is_finite() {
+        if !error.is_finite() {
             return Ok(None);
         }
-        let (is_change, change) =
-            Change::new(self.region, target, critical, within, multiplicity(from.pair.eigenvalue));
-        Ok(Some(is_change.then_some(change)))
-    }
-}
-
-impl Change {
-    /// What so many eigenvalues do at a critical value, and whether it is a change.
-    pub(super) fn new(
-        region: &Region,
-        target: Target,
-        Critical { at, error }: Critical,
-        within: [f64; 2],
-        eigenvalues: i32,
-    ) -> (bool, Self) {
         let (_, slope) = target.distance(&at);
+        let region = self.region;
         let (is_change, is_more, shift) = match target {
-            // The threshold itself, by the tangent, where it was looked for a little below, as samples are.
-            Target::DampingRatio(ratio) => {
-                (region.has_frequency_of(at.pair.eigenvalue), slope < 0.0, (region.damping_ratio - ratio) / slope)
-            }
+            // The threshold itself, by the tangent: samples count as unstable a little below it.
+            Target::DampingRatio(_) => (region.has_frequency_of(at.pair.eigenvalue), slope < 0.0, RESOLUTION / slope),
             Target::Frequency(end) => {
                 let enters = if end == region.lowest { slope > 0.0 } else { slope < 0.0 };
                 (is_unstable(region, &at), enters, 0.0)
@@ -287,7 +271,8 @@ impl Change {
             Target::Growth => (region.lowest <= 0.0, slope < 0.0, 0.0),
         };
         let p = (at.p + shift).clamp(within[0], within[1]);
-        (is_change, Self { p, error, at, target, more: if is_more { eigenvalues } else { -eigenvalues } })
+        let more = multiplicity(from.pair.eigenvalue) * if is_more { 1 } else { -1 };
+        Ok(Some(is_change.then_some(Change { p, error, at, target, more })))
     }
 }
 

@@ -14,7 +14,7 @@ use super::full::band::KrylovLimit;
 use super::full::quadratic::{Coefficients, SparseQuadratic};
 use super::quadratic::{DenseQuadratic, QuadraticError};
 use super::region::Region;
-use super::sweep::{Intervals, Nodes, Steps, Sweep};
+use super::sweep::{Intervals, Nodes, Steps};
 use super::terms::{Matrices, Matrix, Term};
 use crate::model::critical_values::{Memory, UnstableValues};
 use crate::numerics::eigenvalues::Eigenvalue;
@@ -27,7 +27,7 @@ const MOST_PROVED: usize = 40;
 const PROVED_STEPS: Steps = Steps { joined: 3, halvings: 44, most: 1000 };
 
 /// How those of larger dense matrices are, for which a place costs little.
-const DENSE_STEPS: Steps = Steps { joined: 1, halvings: 44, most: 1000 };
+const DENSE_STEPS: Steps = Steps { joined: 1, halvings: 44, most: 333 };
 
 /// How those with sparse matrices do.
 const SPARSE_STEPS: Steps = Steps { joined: 3, halvings: 44, most: 75 };
@@ -124,16 +124,6 @@ impl Problem {
         }
     }
 
-    /// Where the number of unstable eigenvalues of a region, in rad/s, changes along a path between the first and the last of
-    /// some places.
-    ///
-    /// # Errors
-    /// [`Error`], if pairs are not found.
-    pub fn sweep(&self, path: &dyn Path, region: &Region, places: &[f64]) -> Result<Sweep, Error> {
-        let sweep = self.with_intervals(path, region, |intervals, steps| intervals.sweep(places, steps))?;
-        Ok(sweep.with_eigenvalues_times(self.unit()))
-    }
-
     /// The values of the parameter of a path between the first and the last of some places at which there is an unstable
     /// eigenvalue of a region, in rad/s; `None` if `memory` ends the search or pairs are not found.
     pub fn unstable_values(
@@ -143,23 +133,14 @@ impl Problem {
         places: &[f64],
         memory: &dyn Memory,
     ) -> Option<UnstableValues> {
-        self.with_intervals(path, region, |intervals, steps| intervals.unstable_values(places, steps, memory))
-    }
-
-    /// What is asked of the intervals of a path, for a region in rad/s.
-    fn with_intervals<T>(
-        &self,
-        path: &dyn Path,
-        region: &Region,
-        ask: impl FnOnce(&mut dyn Intervals, Steps) -> T,
-    ) -> T {
         let region = region.in_unit(self.unit());
+        let search = |intervals: &mut dyn Intervals, steps| intervals.unstable_values(places, steps, memory);
         match self {
             Self::Dense(problem) if problem.size() <= MOST_PROVED => {
-                ask(&mut Covering::new(problem, path, &region), PROVED_STEPS)
+                search(&mut Covering::new(problem, path, &region), PROVED_STEPS)
             }
-            Self::Dense(_) => ask(&mut Nodes::new(&*self.along(path), &region), DENSE_STEPS),
-            Self::Sparse(_) => ask(&mut Nodes::new(&*self.along(path), &region), SPARSE_STEPS),
+            Self::Dense(_) => search(&mut Nodes::new(&*self.along(path), &region), DENSE_STEPS),
+            Self::Sparse(_) => search(&mut Nodes::new(&*self.along(path), &region), SPARSE_STEPS),
         }
     }
 

@@ -2,7 +2,7 @@
 
 use std::rc::Rc;
 
-use super::branches::{Branches, Followed, Target};
+use super::branches::{Branches, Followed};
 use super::error::Error;
 use super::interval::{Change, Interval, Known, Node};
 use super::region::Region;
@@ -70,57 +70,22 @@ impl Sweep {
         }
         UnstableValues::default().or(&unstable)
     }
-
-    /// The same with eigenvalues in another unit, of which one is `unit` of the new ones.
-    #[must_use]
-    pub(super) fn with_eigenvalues_times(mut self, unit: f64) -> Self {
-        for change in &mut self.changes {
-            change.at.pair.eigenvalue *= unit;
-            change.at.pair.error *= unit;
-            change.at.slope *= unit;
-            if let Target::Frequency(frequency) = &mut change.target {
-                *frequency *= unit;
-            }
-        }
-        self
-    }
 }
 
 /// What tells of an interval of a path what is unstable there.
 pub trait Intervals {
-    /// The sweep of an interval; nothing if it is to be halved. No later interval begins below this one.
+    /// The unstable values of an interval, all of them where one pair is unstable all along, whatever the others do; nothing if it
+    /// is to be halved. No later interval begins below this one.
     ///
     /// # Errors
     /// [`Error`], if eigenvalues are not found.
-    fn settle(&mut self, ends: [f64; 2], may_halve: bool) -> Result<Option<Sweep>, Error>;
-
-    /// The unstable values of such an interval: all of them where one pair is unstable all along, whatever the others do.
-    ///
-    /// # Errors
-    /// As [`settle`](Self::settle).
     fn unstable(&mut self, ends: [f64; 2], may_halve: bool) -> Result<OnInterval, Error>;
 }
 
 impl dyn Intervals + '_ {
-    /// All places at which the number of unstable eigenvalues changes, between the first and the last of some places in rising
-    /// order. Intervals of which too little is known are halved. What is not known when the work ends is unresolved.
-    ///
-    /// # Errors
-    /// [`Error::Request`] for places that do not rise, and as [`Intervals::settle`].
-    pub fn sweep(&mut self, places: &[f64], steps: Steps) -> Result<Sweep, Error> {
-        let intervals = settled(places, steps, |interval, may_halve| self.settle(interval, may_halve))?;
-        let mut sweep = Sweep { at_start: 0, changes: Vec::new(), unresolved: Vec::new() };
-        sweep.at_start = intervals.first().map_or(0, |first| first.at_start);
-        for interval in intervals {
-            sweep.changes.extend(interval.changes);
-            sweep.unresolved.extend(interval.unresolved);
-        }
-        sweep.changes.sort_by(|a, b| a.p.total_cmp(&b.p));
-        Ok(sweep)
-    }
-
-    /// The values at which there is an unstable eigenvalue, by the same sweep, whose intervals `memory` may know; `None` if
-    /// that ends it or pairs are not found.
+    /// The values at which there is an unstable eigenvalue, between the first and the last of some places in rising order.
+    /// Intervals of which too little is known are halved; `memory` may know them. `None` if that ends the search or pairs are
+    /// not found. What is not known when the work ends is possibly unstable.
     pub fn unstable_values(&mut self, places: &[f64], steps: Steps, memory: &dyn Memory) -> Option<UnstableValues> {
         let intervals = settled(places, steps, |interval, may_halve| {
             let mut find = || self.unstable(interval, may_halve).ok();
@@ -146,9 +111,26 @@ impl<'a> Nodes<'a> {
     pub(super) fn new(branches: &'a dyn Branches, region: &'a Region) -> Self {
         Self { branches, region, known: Vec::new() }
     }
-}
 
-impl Intervals for Nodes<'_> {
+    /// All places at which the number of unstable eigenvalues changes, between the first and the last of some places in rising
+    /// order. Intervals of which too little is known are halved. What is not known when the work ends is unresolved.
+    ///
+    /// # Errors
+    /// [`Error::Request`] for places that do not rise, and if pairs are not found.
+    #[cfg(test)]
+    pub(super) fn sweep(&mut self, places: &[f64], steps: Steps) -> Result<Sweep, Error> {
+        let intervals = settled(places, steps, |interval, may_halve| self.settle(interval, may_halve))?;
+        let mut sweep = Sweep { at_start: 0, changes: Vec::new(), unresolved: Vec::new() };
+        sweep.at_start = intervals.first().map_or(0, |first| first.at_start);
+        for interval in intervals {
+            sweep.changes.extend(interval.changes);
+            sweep.unresolved.extend(interval.unresolved);
+        }
+        sweep.changes.sort_by(|a, b| a.p.total_cmp(&b.p));
+        Ok(sweep)
+    }
+
+    #[cfg(test)]
     fn settle(&mut self, ends: [f64; 2], may_halve: bool) -> Result<Option<Sweep>, Error> {
         let nodes = self.of(ends)?;
         let interval = Interval::new(nodes.each_ref().map(|node| &**node), self.region);
@@ -160,7 +142,9 @@ impl Intervals for Nodes<'_> {
         };
         Ok(Some(Sweep { at_start: usize::try_from(from).unwrap_or(0), changes, unresolved }))
     }
+}
 
+impl Intervals for Nodes<'_> {
     fn unstable(&mut self, ends: [f64; 2], may_halve: bool) -> Result<OnInterval, Error> {
         let nodes = self.of(ends)?;
         let interval = Interval::new(nodes.each_ref().map(|node| &**node), self.region);
@@ -195,7 +179,7 @@ impl<'a> Nodes<'a> {
     }
 }
 
-fn middle(low: f64, high: f64) -> f64 {
+pub(super) fn middle(low: f64, high: f64) -> f64 {
     low + 0.5 * (high - low)
 }
 

@@ -13,7 +13,7 @@ use crate::models::matrices::branches::{Branches, Followed, Line, Path, Target};
 use crate::models::matrices::error::Error;
 use crate::models::matrices::pair::{Complex, Pair};
 use crate::models::matrices::region::{Region, damping_ratio, magnitude};
-use crate::models::matrices::sweep::{Intervals, Nodes, Steps};
+use crate::models::matrices::sweep::{Nodes, Steps};
 use crate::numerics::eigenvalues::eigenvalues;
 
 type Sparse = SparseColMat<usize, f64>;
@@ -258,8 +258,7 @@ fn two_coupled_masses_flutter_at_the_closed_form() {
         let (a3, a2, a1) = (c1 + c2, 2.0 + k22 + c1 * c2, c1 * k22 + c2 * 2.0);
         let expected = a1 * (a3 * a2 - a1) / (a3 * a3) - (2.0 * k22 - 1.0);
         let region = Region { lowest: 0.5, highest: 3.0, damping_ratio: 0.0 };
-        let intervals: &mut dyn Intervals = &mut Nodes::new(&along, &region);
-        let sweep = intervals.sweep(&evenly([0.2, 1.9], 4), STEPS).unwrap();
+        let sweep = Nodes::new(&along, &region).sweep(&evenly([0.2, 1.9], 4), STEPS).unwrap();
         assert_eq!((sweep.at_start, sweep.changes.len(), &sweep.unresolved[..]), (0, 1, &[][..]), "{k22} {c1} {c2}");
         let change = &sweep.changes[0];
         assert!((change.p - expected).abs() < 1e-10, "{} {expected}", change.p);
@@ -277,8 +276,7 @@ fn a_sweep_finds_all_changes_of_a_chain() {
     let along = Along { matrices: &matrices, path: &path, limit: limit(120) };
     let region = Region { lowest: 300.0, highest: 700.0, damping_ratio: 0.0 };
     let [low, high] = [2.0, 4.0];
-    let intervals: &mut dyn Intervals = &mut Nodes::new(&along, &region);
-    let sweep = intervals.sweep(&evenly([low, high], 4), STEPS).unwrap();
+    let sweep = Nodes::new(&along, &region).sweep(&evenly([low, high], 4), STEPS).unwrap();
     let unstable = |p: f64| {
         chain
             .dense(&Coefficients::split(&path.coefficients(p), 1))
