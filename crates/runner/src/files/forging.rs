@@ -10,8 +10,8 @@ use std::time::Duration;
 /// Set in the process that reads forged files.
 const READER: &str = "STICKSLIP_READS_FORGED_FILES";
 
-/// Most memory that reading one of them may ask for, used or not.
-const MOST_MEMORY: u64 = 1 << 30;
+/// Most memory that reading one of them may use.
+const MOST_MEMORY: u64 = 1 << 28;
 
 /// Longest time on a processor for one of them, whatever else is at work.
 const LONGEST: Duration = Duration::from_secs(10);
@@ -77,10 +77,10 @@ pub fn time() -> Duration {
     Duration::from_nanos(times.split_whitespace().next().map_or(0, |nanoseconds| nanoseconds.parse().unwrap()))
 }
 
-/// The most address space that this process has had, in bytes; 0 where the system does not say.
+/// The most memory that this process has used, in bytes; 0 where the system does not say.
 fn peak() -> u64 {
     let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
-    let line = status.lines().find_map(|line| line.strip_prefix("VmPeak:"));
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
     line.map_or(0, |line| line.trim().trim_end_matches(" kB").parse::<u64>().unwrap() << 10)
 }
 

@@ -1,8 +1,6 @@
 //! Writing files, whole or not at all, and Parquet tables whose columns carry unit and meaning; reading files that others
 //! may have written.
 
-mod thrift;
-
 pub mod bounded;
 
 pub mod csv_file;

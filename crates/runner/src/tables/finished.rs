@@ -5,14 +5,13 @@ use std::fs::File;
 use std::mem;
 use std::path::Path;
 
-use arrow::array::{AsArray as _, RecordBatchReader as _};
-use arrow::datatypes::{DataType, Float64Type, Int64Type};
-use parquet::arrow::arrow_reader::ParquetRecordBatchReader;
+use arrow::array::AsArray as _;
+use arrow::datatypes::{DataType, Float64Type, Int64Type, Schema};
 
 use crate::evaluate::sums::SumLayout;
 use crate::failure::Failure;
 use crate::files::bounded::open_regular;
-use crate::files::foreign;
+use crate::files::foreign::{self, Parts};
 use crate::files::table::{LONG_NAME, UNIT};
 use crate::job::Job;
 use crate::messages::{Code, Place};
@@ -163,9 +162,8 @@ fn read_columns(file: File, rows: Option<u64>, wanted: impl Fn(&str) -> bool) ->
 }
 
 /// All columns of a table, which hold numbers.
-fn columns_of(table: ParquetRecordBatchReader) -> Result<Vec<FinishedColumn>, String> {
-    let columns = table.schema();
-    let columns = columns.fields().iter().map(|field| {
+fn columns_of(schema: &Schema, parts: Parts<'_>) -> Result<Vec<FinishedColumn>, String> {
+    let columns = schema.fields().iter().map(|field| {
         let values = match field.data_type() {
             DataType::Int64 => FinishedValues::Integer(Vec::new()),
             DataType::Float64 => FinishedValues::Real(Vec::new()),
@@ -174,9 +172,9 @@ fn columns_of(table: ParquetRecordBatchReader) -> Result<Vec<FinishedColumn>, St
         Ok(FinishedColumn { name: field.name().clone(), unit: String::new(), long_name: String::new(), values })
     });
     let mut columns: Vec<FinishedColumn> = columns.collect::<Result<_, _>>()?;
-    for batch in table {
-        let batch = batch.map_err(|error| error.to_string())?;
-        for (column, array) in columns.iter_mut().zip(batch.columns()) {
+    for part in parts {
+        let part = part?;
+        for (column, array) in columns.iter_mut().zip(part.columns()) {
             match &mut column.values {
                 FinishedValues::Integer(values) => values.extend(array.as_primitive::<Int64Type>()),
                 FinishedValues::Real(values) => values.extend(array.as_primitive::<Float64Type>()),

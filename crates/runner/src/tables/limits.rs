@@ -2,12 +2,11 @@
 
 use std::path::Path;
 
-use arrow::array::{Array as _, AsArray as _, RecordBatchReader as _};
-use arrow::datatypes::{DataType, Float64Type, Int64Type};
-use parquet::arrow::arrow_reader::ParquetRecordBatchReader;
+use arrow::array::{Array as _, AsArray as _};
+use arrow::datatypes::{DataType, Float64Type, Int64Type, Schema};
 
 use crate::failure::Failure;
-use crate::files::foreign::{self, text_of_key};
+use crate::files::foreign::{self, Parts, text_of_key};
 use crate::job::Job;
 use crate::messages::{Code, Place};
 use crate::output::quoted;
@@ -95,8 +94,7 @@ pub fn contradiction(job: &Job, of: &str, [contradicted, all]: [usize; 2]) -> St
 /// The columns that are read, in the order of the file. The last is there where plain samples are.
 const COLUMNS: [&str; 5] = ["cell", "target", "state", "limit", "distrust"];
 
-fn rows_of(table: ParquetRecordBatchReader) -> Result<Vec<FinishedLimit>, String> {
-    let schema = table.schema();
+fn rows_of(schema: &Schema, parts: Parts<'_>) -> Result<Vec<FinishedLimit>, String> {
     let columns = schema.fields().iter().map(|field| (field.name().as_str(), field.data_type()));
     let types = [DataType::Int64, DataType::Float64, DataType::Utf8, DataType::Float64, DataType::Int64];
     let count = schema.fields().len();
@@ -104,11 +102,11 @@ fn rows_of(table: ParquetRecordBatchReader) -> Result<Vec<FinishedLimit>, String
         return Err("its columns are not those of limits".to_owned());
     }
     let mut rows = Vec::new();
-    for batch in table {
-        let batch = batch.map_err(|error| error.to_string())?;
-        let [cells, targets, states, limits] = [0, 1, 2, 3].map(|place| batch.column(place));
+    for part in parts {
+        let part = part?;
+        let [cells, targets, states, limits] = [0, 1, 2, 3].map(|place| part.column(place));
         let (cells, targets) = (cells.as_primitive::<Int64Type>(), targets.as_primitive::<Float64Type>());
-        let distrust = |row: usize| match batch.columns().get(4) {
+        let distrust = |row: usize| match part.columns().get(4) {
             Some(reasons) => !reasons.is_null(row) && reasons.as_primitive::<Int64Type>().value(row) != 0,
             None => false,
         };
