@@ -8,6 +8,8 @@ pub(crate) mod monotone_cubic;
 
 pub mod eigenvalues;
 
+pub(crate) mod fixed_point;
+
 pub(crate) mod quadrature;
 
 pub(crate) mod sine_cosine;

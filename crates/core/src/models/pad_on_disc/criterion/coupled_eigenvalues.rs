@@ -10,7 +10,7 @@ use crate::models::pad_on_disc::rigid_disc::pad_on_disc::RandomInputs;
 impl FlexibleBrake {
     /// Decides a sample by the coupled eigenvalues. `stability` finds its linear stability:
     /// [`FlexibleBrake::linear_stability`] for one of many samples, [`FlexibleBrake::by_eigenvalues`] for a single one.
-    /// Without preload a sample is stable; one whose equilibrium or eigenvalues cannot be found is failed.
+    /// Without preload a sample is outside the model; one whose equilibrium or eigenvalues cannot be found is failed.
     #[must_use]
     pub fn decide_with(
         &self,

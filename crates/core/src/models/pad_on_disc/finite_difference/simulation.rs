@@ -10,16 +10,9 @@ use crate::models::pad_on_disc::motion::integrator::{Motion, Observer};
 use crate::models::pad_on_disc::motion::moment::{Moment, RecordedContact};
 use crate::models::pad_on_disc::motion::start::{Start, TangentialStart};
 use crate::models::pad_on_disc::pad::contact_state::ContactState;
+use crate::models::pad_on_disc::pad::equations::PAD;
 use crate::models::pad_on_disc::rigid_disc::pad_on_disc::RandomInputs;
-
-/// Largest number of rounds of the search for an equilibrium; a disc of the preset's stiffness needs some twenty.
-const ROUNDS: usize = 500;
-
-/// How often the part of a round that is taken is halved.
-const MOST_HALVINGS: u32 = 5;
-
-/// Displacements so many times as large as on a rigid disc are those of rounds that diverge.
-const FARTHEST: f64 = 1e6;
+use crate::numerics::fixed_point::fixed_point;
 
 /// Change in a round, relative to the pad's displacements, at which an equilibrium is found.
 const FOUND: f64 = 1e-13;
@@ -113,61 +106,32 @@ impl FiniteDifferenceBrake {
         if inputs.preload.is_nan() || inputs.preload <= 0.0 {
             return Err(FlexibleError::NotPressed { preload: inputs.preload }.into());
         }
-        // On a soft disc whole rounds swing further and further: parts of them do not.
-        for halvings in 0..=MOST_HALVINGS {
-            let part = 1.0 / f64::from(1_u32 << halvings);
-            if let Some(found) = self.equilibrium_by_rounds(inputs, part)? {
-                return Ok(found);
-            }
-        }
-        let RandomInputs { preload, static_friction } = inputs;
-        Err(FlexibleError::NoEquilibrium { preload, static_friction }.into())
-    }
-
-    /// Steady sliding by rounds of which only a part is taken; nothing if they do not settle.
-    fn equilibrium_by_rounds(
-        &self,
-        inputs: RandomInputs,
-        part: f64,
-    ) -> Result<Option<(PadState, Vec<f64>)>, FiniteDifferenceError> {
         let pad = self.pad();
         let rigid = self.modal.brake.brake().sliding_equilibrium_at(inputs);
-        let mut state = PadState { q: [rigid.tangential, rigid.normal, rigid.angle], u: [0.0; 3], time: 0.0 };
-        let mut deflection = vec![0.0; self.plate.rings * self.plate.columns];
-        let mut loads = Vec::new();
+        let mut start = vec![rigid.tangential, rigid.normal, rigid.angle];
+        start.resize(PAD + self.plate.rings * self.plate.columns, 0.0);
         let stiffness = [
             pad.tangential_stiffness + pad.contact_tangential,
             pad.normal_stiffness + pad.pressure_gain,
             pad.angular_stiffness,
         ];
-        // Each displacement against its own stiffness in turn with the disc: the couplings between them are weak.
-        for _ in 0..ROUNDS {
-            let surface = self.surface(&self.plate.at_rest(&deflection));
-            let at_rest = self.pad_on(inputs, &surface, &surface);
+        let pad_at = |q: &[f64]| PadState { q: [q[0], q[1], q[2]], u: [0.0; PAD], time: 0.0 };
+        // In a round each displacement goes against its own stiffness, and the disc to where it is under the loads. On a
+        // soft disc rounds alone swing further and further.
+        let mut loads = Vec::new();
+        let round = |q: &[f64]| {
+            let surface = self.surface(&self.plate.at_rest(&q[PAD..]));
+            let (at_rest, state) = (self.pad_on(inputs, &surface, &surface), pad_at(q));
             let accelerations = at_rest.rates(&state, ContactState::Slip).1;
             at_rest.loads(&state, ContactState::Slip, &mut loads);
-            let still = |change: f64| change.abs() <= FOUND * rigid.normal.abs();
-            let mut found = true;
-            for ((q, acceleration), stiffness) in state.q.iter_mut().zip(accelerations).zip(stiffness) {
-                *q += part * (acceleration / stiffness);
-                found &= still(acceleration / stiffness);
-            }
-            let is_far = |q: &f64| q.is_nan() || q.abs() > FARTHEST * rigid.normal.abs().max(rigid.tangential.abs());
-            if state.q.iter().any(is_far) {
-                break;
-            }
             loads.iter_mut().for_each(|load| *load *= self.contact_gain);
-            let mut now = self.steady_deflection(self.spin, &loads)?;
-            found &= deflection.iter().zip(&now).all(|(before, now)| still(now - before));
-            if part < 1.0 {
-                now.iter_mut().zip(&deflection).for_each(|(now, before)| *now = before + part * (*now - before));
-            }
-            deflection = now;
-            if found {
-                return Ok(Some((state, deflection)));
-            }
-        }
-        Ok(None)
+            let moved = q.iter().zip(accelerations).zip(stiffness).map(|((q, rate), stiffness)| q + rate / stiffness);
+            Ok::<_, FiniteDifferenceError>(moved.chain(self.steady_deflection(self.spin, &loads)?).collect())
+        };
+        let found = fixed_point(start, FOUND * rigid.normal.abs(), round)?;
+        let RandomInputs { preload, static_friction } = inputs;
+        let found = found.ok_or(FlexibleError::NoEquilibrium { preload, static_friction })?;
+        Ok((pad_at(&found), found[PAD..].to_vec()))
     }
 
     /// A motion at its start, and the equilibrium's x.

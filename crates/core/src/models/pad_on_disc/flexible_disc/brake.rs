@@ -121,7 +121,8 @@ impl FlexibleBrake {
     ///
     /// # Errors
     /// [`FlexibleError::NotPressed`] for a preload of zero or less, [`FlexibleError::NoEquilibrium`] if neither Newton's
-    /// method nor continuation from the equilibrium without friction finds one.
+    /// method nor continuation from the equilibrium under a small load finds one, [`FlexibleError::Rotated`] if the pad
+    /// turns beyond small angles in it.
     pub fn sliding_equilibrium(&self, inputs: RandomInputs) -> Result<Vec<f64>, FlexibleError> {
         let search = self.search.get_or_init(|| EquilibriumSearch::new(&self.equations));
         search.find(&self.equations, inputs)

@@ -1,8 +1,9 @@
 //! Steady sliding found by continuation, where Newton's method from the equilibrium on a rigid disc fails.
 //!
-//! Without friction the equilibrium is that of springs in contact, which Newton's method with shortened steps finds from
-//! far away. From there the friction coefficient is raised to its own value, as a share `s` from 0 to 1 of it, and the
-//! equilibrium is followed by its arc length: each point is predicted along the tangent of the branch and corrected on
+//! A soft disc may have several equilibria. That of a brake is reached when it is pressed: under a small share of its
+//! preload and with the same share of its friction it is that of springs in contact, which Newton's method with shortened
+//! steps finds. From there the share `s` of both is raised to 1, and the equilibrium is followed by its arc length: each
+//! point is predicted along the tangent of the branch and corrected on
 //! the plane across it (H. B. Keller, "Numerical solution of bifurcation and nonlinear eigenvalue problems", in
 //! Applications of Bifurcation Theory, 1977). So a branch that turns back on its way, at a share that falls again for a
 //! while, is followed all the same.
@@ -16,9 +17,11 @@ use crate::models::pad_on_disc::flexible_disc::equations::FlexibleEquations;
 use crate::models::pad_on_disc::pad::contact_state::ContactState;
 use crate::models::pad_on_disc::rigid_disc::pad_on_disc::RandomInputs;
 
-/// Length of the first step along the branch. Its unit is the share of friction, or the size of the displacements
-/// without friction.
+/// Length of the first step along the branch. Its unit is the share, or the size of the displacements on a rigid disc.
 const FIRST_STEP: f64 = 0.1;
+
+/// The share at which the branch begins.
+const FIRST_SHARE: f64 = 1e-3;
 
 /// A longer step is not made, and a shorter one gives up.
 const STEPS: (f64, f64) = (1e-5, 0.5);
@@ -38,7 +41,7 @@ pub(super) fn is_upright(q: &[f64]) -> bool {
     q[2].abs() < FRAC_PI_2
 }
 
-/// The brake with any share of its friction.
+/// The brake with any share of its preload and friction.
 struct Branch<'a> {
     equations: &'a FlexibleEquations,
     inputs: RandomInputs,
@@ -47,12 +50,13 @@ struct Branch<'a> {
 }
 
 impl FlexibleEquations {
-    /// Steady sliding by continuation from none to all of the friction; `None` if the branch ends or the pad turns over
-    /// on the way.
-    pub fn equilibrium_by_rising_friction(&self, inputs: RandomInputs) -> Option<Vec<f64>> {
-        let (without, frictionless) = self.with_share_of_friction(inputs, 0.0);
-        let start = without.shortened_newton(frictionless, without.equilibrium_on_rigid_disc(frictionless))?;
-        let size = start.iter().fold(0.0_f64, |size, q| size.max(q.abs()));
+    /// Steady sliding by continuation from nearly none to all of preload and friction; `None` if the branch ends or the
+    /// pad turns over on the way.
+    pub fn equilibrium_by_rising_load(&self, inputs: RandomInputs) -> Option<Vec<f64>> {
+        let (little, of_it) = self.with_share(inputs, FIRST_SHARE);
+        let start = little.shortened_newton(of_it, little.equilibrium_on_rigid_disc(of_it))?;
+        let whole = self.equilibrium_on_rigid_disc(inputs);
+        let size = whole.iter().fold(0.0_f64, |size, q| size.max(q.abs()));
         let mut units = DVector::from_element(start.len(), size);
         // What an angle moves the patch by.
         units[2] = size * self.brake.parameters().disc.thickness / self.brake.parameters().disc.outer_radius;
@@ -61,13 +65,14 @@ impl FlexibleEquations {
         self.newton(inputs, end.as_slice().to_vec()).filter(|q| is_upright(q))
     }
 
-    /// The same brake with a share of its friction coefficient at every speed.
-    fn with_share_of_friction(&self, inputs: RandomInputs, share: f64) -> (Self, RandomInputs) {
+    /// The same brake with a share of its preload, and of its friction coefficient at every speed.
+    fn with_share(&self, inputs: RandomInputs, share: f64) -> (Self, RandomInputs) {
         let mut equations = self.clone();
         let pad = &mut equations.coefficients.pad;
         pad.kinetic_friction *= share;
         pad.additional_friction *= share;
-        (equations, RandomInputs { static_friction: share * inputs.static_friction, ..inputs })
+        let RandomInputs { preload, static_friction } = inputs;
+        (equations, RandomInputs { preload: share * preload, static_friction: share * static_friction })
     }
 
     /// Accelerations at rest.
@@ -106,15 +111,15 @@ impl FlexibleEquations {
 }
 
 impl Branch<'_> {
-    /// Follows the branch from its point without friction to that with all of it.
+    /// Follows the branch from its first point to that with all of preload and friction.
     fn follow(&self, start: DVector<f64>) -> Option<DVector<f64>> {
-        let (mut q, mut share, mut length) = (start, 0.0, FIRST_STEP);
+        let (mut q, mut share, mut length) = (start, FIRST_SHARE, FIRST_STEP);
         // The direction in which the share rises first.
         let mut before = (DVector::zeros(q.len()), 1.0);
         for _ in 0..MOST_POINTS {
             let tangent = self.tangent(&q, share, &before)?;
             let point = loop {
-                // The last step ends at the whole of the friction.
+                // The last step ends at the whole.
                 let reach = share + length * tangent.1;
                 let this = if reach > 1.0 { length * (1.0 - share) / (reach - share) } else { length };
                 if let Some(point) = self.corrected(&q, share, &tangent, this) {
@@ -141,9 +146,9 @@ impl Branch<'_> {
         None
     }
 
-    /// Accelerations at a share of the friction, and their derivatives by the displacements over their units.
+    /// Accelerations at a share, and their derivatives by the displacements over their units.
     fn at(&self, q: &DVector<f64>, share: f64) -> (DVector<f64>, DMatrix<f64>) {
-        let (equations, inputs) = self.equations.with_share_of_friction(self.inputs, share);
+        let (equations, inputs) = self.equations.with_share(self.inputs, share);
         let mut stiffness = equations.linearise(inputs, q.as_slice()).0;
         for (mut column, unit) in stiffness.column_iter_mut().zip(self.units.iter()) {
             column *= *unit;
@@ -154,7 +159,7 @@ impl Branch<'_> {
     /// Their derivative by the share, in which they are linear.
     fn by_share(&self, q: &DVector<f64>) -> DVector<f64> {
         let of_share = |share: f64| {
-            let (equations, inputs) = self.equations.with_share_of_friction(self.inputs, share);
+            let (equations, inputs) = self.equations.with_share(self.inputs, share);
             equations.residual(inputs, q)
         };
         of_share(1.0) - of_share(0.0)

@@ -7,7 +7,7 @@ use crate::models::pad_on_disc::flexible_disc::continuation::is_upright;
 use crate::models::pad_on_disc::flexible_disc::equations::FlexibleEquations;
 use crate::models::pad_on_disc::flexible_disc::error::FlexibleError;
 use crate::models::pad_on_disc::pad::contact_state::ContactState;
-use crate::models::pad_on_disc::pad::equations::PAD;
+use crate::models::pad_on_disc::pad::equations::{LARGEST_ROTATION, PAD};
 use crate::models::pad_on_disc::rigid_disc::pad_on_disc::RandomInputs;
 
 /// Finds equilibria by Newton's method with the linearisation at one operating point.
@@ -32,21 +32,30 @@ impl EquilibriumSearch {
     }
 
     /// The displacements of steady sliding: all accelerations vanish without any speed, as far as numbers resolve it.
+    /// A soft disc may have several; that on the branch from none to all of preload and friction is taken.
     ///
     /// # Errors
     /// [`FlexibleError::NotPressed`] for a preload of zero or less, [`FlexibleError::NoEquilibrium`] if neither Newton's
-    /// method nor [continuation](FlexibleEquations::equilibrium_by_rising_friction) finds one.
+    /// method nor [continuation](FlexibleEquations::equilibrium_by_rising_load) finds one,
+    /// [`FlexibleError::Rotated`] if the pad turns too far in it.
     pub fn find(&self, equations: &FlexibleEquations, inputs: RandomInputs) -> Result<Vec<f64>, FlexibleError> {
         if inputs.preload.is_nan() || inputs.preload <= 0.0 {
             return Err(FlexibleError::NotPressed { preload: inputs.preload });
         }
-        let found = self.near_rigid_disc(equations, inputs);
-        let found = found.or_else(|| equations.equilibrium_by_rising_friction(inputs));
+        let found = match self.near_rigid_disc(equations, inputs) {
+            Some(q) if q[2].abs() <= LARGEST_ROTATION => Some(q),
+            elsewhere => equations.equilibrium_by_rising_load(inputs).or(elsewhere),
+        };
         let RandomInputs { preload, static_friction } = inputs;
-        found.ok_or(FlexibleError::NoEquilibrium { preload, static_friction })
+        match found {
+            Some(q) if q[2].abs() > LARGEST_ROTATION => Err(FlexibleError::Rotated { angle: q[2] }),
+            Some(q) => Ok(q),
+            None => Err(FlexibleError::NoEquilibrium { preload, static_friction }),
+        }
     }
 
-    /// By Newton's method from the equilibrium on a rigid disc.
+    /// By Newton's method from the equilibrium on a rigid disc, which may end on another branch: far away, with the pad
+    /// turned.
     pub(super) fn near_rigid_disc(&self, equations: &FlexibleEquations, inputs: RandomInputs) -> Option<Vec<f64>> {
         let start = equations.equilibrium_on_rigid_disc(inputs);
         let inverse = self.approximate_inverse.as_ref();

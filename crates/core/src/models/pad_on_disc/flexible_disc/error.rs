@@ -4,6 +4,7 @@ use thiserror::Error;
 
 use crate::models::pad_on_disc::flexible_disc::compliance::LEAST_COMPLIANCE;
 use crate::models::pad_on_disc::flexible_disc::plate_modes::MOST_DISC_MODES;
+use crate::models::pad_on_disc::pad::equations::LARGEST_ROTATION;
 use crate::models::pad_on_disc::parameters::ParameterError;
 use crate::numerics::eigenvalues::EigenvalueError;
 
@@ -44,12 +45,20 @@ pub enum FlexibleError {
     },
     /// The search for the equilibrium did not end.
     #[error(
-        "no sliding equilibrium was found (preload {preload}, static friction {static_friction}), neither from that of a rigid disc nor from that without friction: is the disc far too soft?"
+        "no sliding equilibrium was found (preload {preload}, static friction {static_friction}), neither from that of a rigid disc nor from that under a small load: is the disc far too soft?"
     )]
     NoEquilibrium {
         /// The preload.
         preload: f64,
         /// The static friction coefficient.
         static_friction: f64,
+    },
+    /// The equilibrium is none of the model.
+    #[error(
+        "the pad is turned by {angle:.3} rad in steady sliding, and the model holds up to {LARGEST_ROTATION} rad: is the disc or the calliper's spring against rotation (stiffness.calliper_angular) far too soft?"
+    )]
+    Rotated {
+        /// The rotation, rad.
+        angle: f64,
     },
 }

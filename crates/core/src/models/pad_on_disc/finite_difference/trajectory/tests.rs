@@ -49,6 +49,21 @@ fn farthest(a: &Trajectory, b: &Trajectory) -> [f64; 3] {
 }
 
 #[test]
+fn thin_discs_have_the_equilibrium_of_their_modes() {
+    for (thickness, x0) in [(0.01, Some(0.0067411)), (0.006, None)] {
+        let brake = PadOnDisc::preset_with(&[("disc.thickness", thickness)]);
+        let modal = FlexibleBrake::with_modes(brake.clone(), 24).unwrap().sliding_equilibrium(NOMINAL).unwrap();
+        let grid = FiniteDifferenceBrake::new(brake, DiscGrid { radial: 12, per_pad: 12 }).unwrap();
+        let on_grid = grid.equilibrium(NOMINAL).unwrap().0.q;
+        for (on_grid, modal) in on_grid.into_iter().zip(&modal).take(2) {
+            assert!((on_grid / modal - 1.0).abs() < 0.01, "{thickness}: {on_grid} {modal}");
+        }
+        // By Newton's method and without this code, with the whole pad in contact.
+        assert!(x0.is_none_or(|x0: f64| (on_grid[0] / x0 - 1.0).abs() < 3e-3), "{}", on_grid[0]);
+    }
+}
+
+#[test]
 #[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn stick_slip_is_that_of_the_modal_disc() {
     for speed in [10.0, 20.0] {

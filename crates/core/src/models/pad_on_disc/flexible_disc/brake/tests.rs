@@ -24,6 +24,29 @@ fn what_has_no_model_or_no_equilibrium_is_refused() {
     assert!(matches!(flexible.sliding_equilibrium(inputs), Err(FlexibleError::NoEquilibrium { .. })));
 }
 
+#[test]
+fn of_several_equilibria_that_on_the_branch_from_no_load_is_taken() {
+    // Newton's method from the rigid disc ends where the pad is turned by 0.62 rad, with a growth rate of 1634 1/s. The
+    // reference followed friction and preload from zero in steps, with another number of modes.
+    let soft = [
+        ("disc.thickness", 0.005),
+        ("disc.youngs_modulus", 4e10),
+        ("stiffness.calliper_angular", 700.0),
+        ("pad.moment_arm", 0.04),
+    ];
+    let inputs = RandomInputs { preload: 0.95, static_friction: 0.39 };
+    let given = [&soft[..], &[("operating_point.preload", inputs.preload)]].concat();
+    let (flexible, _) = FlexibleBrake::with_enough_modes(PadOnDisc::preset_with(&given)).unwrap();
+    let q = flexible.sliding_equilibrium(inputs).unwrap();
+    assert!((q[2] - 0.0857).abs() < 1e-4, "{}, {}", q[2], flexible.modes());
+    let growth = flexible.growth_rate(inputs).unwrap() / flexible.brake().scales().time;
+    assert!((growth + 36.5).abs() < 0.2, "{growth}");
+    // A spring that hardly holds the pad: there is no equilibrium within small angles.
+    let free = FlexibleBrake::new(PadOnDisc::preset_with(&[("stiffness.calliper_angular", 20.0)])).unwrap();
+    let error = free.sliding_equilibrium(inputs).unwrap_err();
+    assert!(error.to_string().contains("rad in steady sliding, and the model holds up to 0.25 rad"), "{error}");
+}
+
 const NOMINAL: RandomInputs = RandomInputs { preload: 0.1, static_friction: 0.39 };
 
 fn flexible(speed: f64, modes: usize) -> FlexibleBrake {
@@ -385,7 +408,7 @@ fn continuation_finds_the_equilibrium_that_newtons_method_finds() {
         let flexible = FlexibleBrake::of_modes(brake.clone(), &lowest_modes(&brake).unwrap()[..8]);
         let inputs = RandomInputs { preload: between(0.02, 0.3), static_friction: kinetic * between(1.0, 2.5) };
         let q = flexible.sliding_equilibrium(inputs).unwrap();
-        let continued = flexible.equations.equilibrium_by_rising_friction(inputs).unwrap();
+        let continued = flexible.equations.equilibrium_by_rising_load(inputs).unwrap();
         for (a, b) in q.iter().zip(&continued) {
             assert!((a - b).abs() < 1e-13, "{changes:?} {inputs:?}: {a} {b}");
         }
@@ -393,7 +416,7 @@ fn continuation_finds_the_equilibrium_that_newtons_method_finds() {
 }
 
 #[test]
-fn where_newtons_method_fails_friction_is_raised_from_none() {
+fn where_newtons_method_fails_the_load_is_raised_from_none() {
     let mut parameters = Parameters::sui_ding_2018();
     (parameters.disc.inner_radius, parameters.disc.outer_radius) = (0.036841162732313575, 0.11451993693212617);
     parameters.pad.inner_radius = 0.10951644133142807;
