@@ -101,3 +101,25 @@ fn analyse_takes_an_oscillator_without_normal_force_and_one_at_the_edge() {
     place.write("job.toml", &edge);
     place.run("analyse --job job.toml").done();
 }
+
+#[test]
+fn analyse_names_every_range_of_speed_in_which_sliding_is_unstable() {
+    let place = Place::new();
+    // The curve falls, rises and falls again.
+    let wavy = "law = \"table\"\ntable = { speed = [0.0, 0.5, 1.0, 1.5, 2.0, 3.0], coefficient = [0.6, 0.4, 0.5, 0.55, 0.3, 0.3] }";
+    let grid = "[axes]\nbelt_speed = { from = 0.05, to = 3.0, points = 60 }\n[random]\ninputs = []";
+    place.write("job.toml", &job(SLOW, wavy, grid, EIGENVALUE).replace("belt_speed = 0.5\n", ""));
+    let json: serde_json::Value =
+        serde_json::from_str(&place.run("analyse --job job.toml --json").done().stdout).unwrap();
+    let ranges: Vec<[f64; 2]> = serde_json::from_value(json["unstable_speeds"].clone()).unwrap();
+    assert_eq!(ranges.len(), 2, "{ranges:?}");
+    // As the samples at 60 speeds say.
+    place.run("submit job.toml").done();
+    let table = Table::read(&place.path("runs/belt/surface.parquet"));
+    for (&speed, &probability) in table.column("belt_speed").iter().zip(table.column("p_unstable")) {
+        let is_in = ranges.iter().any(|&[from, to]| from < speed && speed < to);
+        assert_eq!(is_in, probability == 1.0, "{speed}: {probability}, {ranges:?}");
+    }
+    let text = place.run("analyse --job job.toml").done().stdout;
+    assert!(text.contains("critical speed     unstable from ") && text.matches(" to ").count() >= 2, "{text}");
+}

@@ -4,6 +4,7 @@ use serde_json::{Value, json};
 use stickslip_core::models::pad_on_disc::rigid_disc::basin::Basin;
 use stickslip_core::models::pad_on_disc::rigid_disc::limit_cycle::LimitCycle;
 use stickslip_core::models::pad_on_disc::rigid_disc::pad_on_disc::{PadOnDisc, SlidingEquilibrium};
+use stickslip_core::models::pad_on_disc::rigid_disc::stability::SpeedRange;
 use stickslip_core::numerics::eigenvalues::Eigenvalue;
 
 use crate::units::significant;
@@ -13,8 +14,8 @@ pub struct Oscillator {
     belt_speed: f64,
     equilibrium: SlidingEquilibrium,
     eigenvalues: [Eigenvalue; 2],
-    /// The largest speed below which steady sliding is unstable; `None` if it is stable at every speed.
-    critical_speed: Option<f64>,
+    /// Where steady sliding is unstable.
+    unstable_speeds: Vec<SpeedRange>,
     /// The speed above which no motion sticks again, if there is one.
     end_of_stick_slip: Option<f64>,
     cycle: Option<LimitCycle>,
@@ -29,7 +30,7 @@ impl Oscillator {
             belt_speed: pad.parameters().operating_point.rotating_speed,
             equilibrium: pad.sliding_equilibrium(),
             eigenvalues: [first, second],
-            critical_speed: pad.unstable_speeds().last().map(|range| range.to),
+            unstable_speeds: pad.unstable_speeds(),
             end_of_stick_slip: pad.saddle_node_speed(),
             cycle: pad.limit_cycle(),
             basin: pad.basin(),
@@ -64,11 +65,28 @@ impl Oscillator {
             "friction_coefficient": self.equilibrium.friction_coefficient,
             "eigenvalues": self.eigenvalues.map(|value| [value.re, value.im]),
             "stable": self.is_stable(),
-            "critical_speed": self.critical_speed,
+            "critical_speed": self.unstable_speeds.last().map(|speeds| speeds.to),
+            "unstable_speeds": self.unstable_speeds.iter().map(|speeds| [speeds.from, speeds.to]).collect::<Vec<_>>(),
             "end_of_stick_slip": self.end_of_stick_slip,
             "limit_cycle": cycle,
             "smallest_knock": knock,
         })
+    }
+
+    /// The speeds at which steady sliding is unstable, in words.
+    fn critical_speed(&self) -> String {
+        match *self.unstable_speeds {
+            [] => "none: steady sliding is stable at every speed".to_owned(),
+            [SpeedRange { from: 0.0, to }] if to.is_infinite() => "none: unstable at every speed".to_owned(),
+            [SpeedRange { from: 0.0, to }] => format!("{} m/s", significant(to)),
+            ref several => {
+                let ranges = several.iter().map(|&SpeedRange { from, to }| match to.is_infinite() {
+                    true => format!("above {} m/s", significant(from)),
+                    false => format!("from {} to {} m/s", significant(from), significant(to)),
+                });
+                format!("unstable {}", ranges.collect::<Vec<_>>().join(", "))
+            }
+        }
     }
 
     /// In words.
@@ -79,9 +97,7 @@ impl Oscillator {
             im => format!("{} +- {}i 1/s", significant(first.re), significant(im)),
         };
         let stable = if self.is_stable() { "stable" } else { "unstable" };
-        let speed = |speed: Option<f64>, none: &str| {
-            speed.map_or_else(|| none.to_owned(), |speed| format!("{} m/s", significant(speed)))
-        };
+        let end_of_stick_slip = self.end_of_stick_slip.map(|speed| format!("{} m/s", significant(speed)));
         let cycle = match &self.cycle {
             Some(cycle) => format!(
                 "x from {} to {} m, period {} s, {:.1} % of it in stick",
@@ -113,8 +129,8 @@ impl Oscillator {
                 ),
             ),
             ("eigenvalues", eigenvalues),
-            ("critical speed", speed(self.critical_speed, "none: steady sliding is stable at every speed")),
-            ("end of stick-slip", speed(self.end_of_stick_slip, "not found")),
+            ("critical speed", self.critical_speed()),
+            ("end of stick-slip", end_of_stick_slip.unwrap_or_else(|| "not found".to_owned())),
             ("limit cycle", cycle),
             ("basin", basin),
         ]
