@@ -6,6 +6,7 @@
 //! printer of numbers and on no order of a file.
 
 use std::collections::BTreeMap;
+use std::fmt::Debug;
 
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -58,11 +59,13 @@ impl Job {
 }
 
 /// The hash of a value and of the versions behind results and verdicts.
-fn hashed(what: &str, value: &impl Serialize) -> String {
+fn hashed(what: &str, value: &(impl Serialize + Debug)) -> String {
     let mut hasher = blake3::Hasher::new();
     let versions = [FORMAT_VERSION, RESULTS_VERSION];
-    // Text keys, finite numbers, lists and tables: there is nothing in it that JSON cannot hold.
-    add(&mut hasher, &json!([what, versions, serde_json::to_value(value).unwrap_or_default()]));
+    // Text keys, finite numbers, lists and tables: there is nothing in it that JSON cannot hold. If there were, the
+    // value as programmers print it would still tell one from another.
+    let value = serde_json::to_value(value).unwrap_or_else(|_| Value::from(format!("{value:?}")));
+    add(&mut hasher, &json!([what, versions, value]));
     hasher.finalize().to_hex().to_string()
 }
 

@@ -65,13 +65,27 @@ pub fn read_matrix_input(source: &mut Source) -> Result<ReadMatrix, Problem> {
 
 pub fn read_coordinate(source: &mut Source) -> Result<ReadMatrix, Problem> {
     let mut entries = Entries::default();
+    // What the first line would be as one with the numbers of rows, columns and entries, and which line that is.
+    let mut sizes: Option<(u64, Option<u64>)> = None;
     each_line(source, |line, fields, text| {
         let &[row, column, value] = fields else {
             return Err(Problem::at(line, format!("{} is not `row column value`", quoted(text))));
         };
+        sizes.get_or_insert_with(|| (line, value.parse().ok()));
         entries.push(index(line, row, "row", None)?, index(line, column, "column", None)?, number(line, value)?)
     })?;
     let size = entries.implied_size();
+    if let (Some((line, Some(count))), Some((rows, columns, _))) = (sizes, entries.iter().next())
+        && entries.iter().skip(1).count() as u64 == count
+        && entries.iter().all(|(row, column, _)| row <= rows && column <= columns)
+    {
+        let text = format!(
+            "this may be an entry, or a line of Matrix Market for {} rows, {} columns and the {count} entries that follow; put `%%MatrixMarket matrix coordinate real general` (or symmetric) before it, or write the entry as {count}.0",
+            rows + 1,
+            columns + 1
+        );
+        return Err(Problem::at(line, text));
+    }
     let mut read = finished(entries, size)?;
     read.has_size = false;
     Ok(read)
@@ -96,7 +110,7 @@ pub fn each_line(
         }
         take(line, &fields[..count], text)?;
     }
-    Ok(())
+    lines.whole()
 }
 
 fn finished(mut entries: Entries, size: usize) -> Result<ReadMatrix, Problem> {

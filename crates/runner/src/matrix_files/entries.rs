@@ -12,6 +12,11 @@ pub const MOST_ROWS: usize = 1 << 24;
 /// Most entries of a matrix: 4 GiB of them.
 pub const MOST_ENTRIES: usize = 1 << 28;
 
+/// Entries of a compressed matrix that are always read, and how many more for each byte of its file. Deflate can make a
+/// hundred entries of a byte, but makes hardly one where they are those of a model.
+const FEW: usize = 1 << 20;
+const MOST_PER_BYTE: u64 = 16;
+
 /// Entries that are reserved on the word of a file alone.
 const MOST_RESERVED: usize = 1 << 16;
 
@@ -33,14 +38,26 @@ pub struct Built {
 }
 
 /// Entries, each with its row and column.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Entries {
     rows: Vec<u32>,
     columns: Vec<u32>,
     values: Vec<f64>,
+    most: usize,
+}
+
+impl Default for Entries {
+    fn default() -> Self {
+        Self::at_most(MOST_ENTRIES)
+    }
 }
 
 impl Entries {
+    /// So many at most.
+    pub fn at_most(most: usize) -> Self {
+        Self { rows: Vec::new(), columns: Vec::new(), values: Vec::new(), most }
+    }
+
     /// Room for a number of entries that the length of the file does not rule out.
     pub fn with_room(count: usize) -> Self {
         let mut entries = Self::default();
@@ -56,8 +73,8 @@ impl Entries {
     /// # Errors
     /// Too many entries.
     pub fn push(&mut self, row: u32, column: u32, value: f64) -> Result<(), Problem> {
-        if self.values.len() >= MOST_ENTRIES {
-            return Err(too_many_entries());
+        if self.values.len() >= self.most {
+            return Err(too_many_entries(self.most));
         }
         self.rows.push(row);
         self.columns.push(column);
@@ -128,7 +145,7 @@ impl Entries {
         }
         let total = ends[size];
         if total > MOST_ENTRIES {
-            return Err(too_many_entries());
+            return Err(too_many_entries(MOST_ENTRIES));
         }
         let (mut rows, mut values) = (vec![0_u32; total], vec![0.0; total]);
         let mut next = ends.clone();
@@ -271,6 +288,18 @@ fn outside(row: usize, column: usize, size: usize) -> Problem {
     ))
 }
 
-pub fn too_many_entries() -> Problem {
-    Problem::new(format!("the matrix has more than {MOST_ENTRIES} entries, the limit"))
+/// How many entries are read of a compressed matrix with so many rows, in a file of so many bytes. What is given more
+/// than once has room among the few.
+pub fn most_entries(size: usize, length: u64) -> usize {
+    let of_length = usize::try_from(length.saturating_mul(MOST_PER_BYTE)).unwrap_or(usize::MAX);
+    size.saturating_mul(size).min(of_length).saturating_add(FEW).min(MOST_ENTRIES)
+}
+
+pub fn too_many_entries(most: usize) -> Problem {
+    let of_file = if most < MOST_ENTRIES {
+        " for its rows and the length of its compressed file; save it without compression if it is sound"
+    } else {
+        ""
+    };
+    Problem::new(format!("the matrix has more than {most} entries, the limit{of_file}"))
 }

@@ -133,7 +133,7 @@ pub fn read(source: &mut Source) -> Result<ReadMatrix, Problem> {
     };
     let size = square(rows, columns)?;
     if count > MOST_ENTRIES as u64 {
-        return Err(too_many_entries());
+        return Err(too_many_entries(MOST_ENTRIES));
     }
     // A row and a value for each, of a character at least.
     if count.saturating_mul(2) > length || columns > length {

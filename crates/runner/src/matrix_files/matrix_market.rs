@@ -44,7 +44,7 @@ pub fn read(source: &mut Source) -> Result<ReadMatrix, Problem> {
         return Err(Problem::at(line, text));
     }
     if !is_array && count > MOST_ENTRIES as u64 {
-        return Err(too_many_entries());
+        return Err(too_many_entries(MOST_ENTRIES));
     }
     let mut entries = Entries::with_room(count as usize);
     let mut read = 0;

@@ -3,6 +3,8 @@
 //! A card has fields of 8 characters or, with an asterisk, of 16; its further lines start with a blank, a plus or an
 //! asterisk. Fields may be separated by commas as well.
 
+use std::collections::HashSet;
+
 use super::entries::{Entries, Symmetry};
 use super::error::{Problem, quoted};
 use super::matrix::{Place, ReadMatrix, Stored};
@@ -57,61 +59,97 @@ impl Header {
     }
 }
 
-/// Gives every header and every group of column, row and value to `header` and `entry`.
+/// What the further lines of a card go on with.
+enum Card {
+    /// The header of a matrix that is wanted.
+    Header,
+    /// A column of it.
+    Column(Column),
+    Other,
+}
+
+/// A column, and the rows that its card has so far.
+struct Column {
+    place: Place,
+    rows: HashSet<Place>,
+}
+
+impl Column {
+    fn take(
+        &mut self,
+        line: u64,
+        group: &[&str],
+        entry: &mut impl FnMut(Place, Place, f64) -> Result<(), Problem>,
+    ) -> Result<(), Problem> {
+        match group {
+            ["", "", "", ..] => Ok(()),
+            [node, direction, value, imaginary] => {
+                if !imaginary.is_empty() && number(line, imaginary)? != 0.0 {
+                    return Err(Problem::at(line, "the entry is complex; write real matrices"));
+                }
+                let row = place(line, node, direction)?;
+                if !self.rows.insert(row) {
+                    let text = format!(
+                        "the row of grid point {node} and component {direction} is there twice in one card, of the column of grid point {} and component {}; the card of another column may be missing before it",
+                        self.place.0, self.place.1
+                    );
+                    return Err(Problem::at(line, text));
+                }
+                entry(self.place, row, number(line, value)?)
+            }
+            _ => Err(Problem::at(line, "the entry has no grid point, component and value")),
+        }
+    }
+}
+
+/// Gives every header and every group of column, row and value to `header` and `entry`; groups of what is wanted only.
 fn each(
     source: &mut Source,
     mut header: impl FnMut(u64, Header) -> Result<(), Problem>,
-    is_wanted: impl Fn(&str) -> bool,
-    mut entry: impl FnMut(u64, Place, Place, f64) -> Result<(), Problem>,
+    is_wanted: impl Fn(u64, &str) -> Result<bool, Problem>,
+    mut entry: impl FnMut(Place, Place, f64) -> Result<(), Problem>,
 ) -> Result<(), Problem> {
     let mut lines = Lines::new(source)?;
-    // The column of the card that goes on, and the header that does.
-    let mut column: Option<Place> = None;
+    let mut card = Card::Other;
     while let Some((line, text)) = lines.next()? {
         if text.trim().is_empty() || text.starts_with('$') {
             continue;
         }
         if is_dmig(text) {
             let fields = fields(line, text, text.get(4..5) == Some("*"))?;
-            column = None;
+            let wanted = is_wanted(line, fields[0])?;
+            card = Card::Other;
             if fields[1] == "0" {
+                if wanted {
+                    card = Card::Header;
+                }
                 let [name, form, kind] = [fields[0], fields[2], fields[3]].map(str::to_owned);
                 header(line, Header { name, form, kind })?;
-            } else if is_wanted(fields[0]) {
-                let of_column = place(line, fields[1], fields[2])?;
-                column = Some(of_column);
+            } else if wanted {
+                let mut column = Column { place: place(line, fields[1], fields[2])?, rows: HashSet::new() };
                 // A card of long fields has none left for an entry.
-                fields[4..].chunks(4).try_for_each(|group| take_group(line, of_column, group, &mut entry))?;
+                fields[4..].chunks(4).try_for_each(|group| column.take(line, group, &mut entry))?;
+                card = Card::Column(column);
             }
         } else if text.starts_with([' ', '+', '*', ',']) {
-            if let Some(of_column) = column {
-                let fields = fields(line, text, text.starts_with('*'))?;
-                fields.chunks(4).try_for_each(|group| take_group(line, of_column, group, &mut entry))?;
+            let fields = || fields(line, text, text.starts_with('*'));
+            match &mut card {
+                Card::Column(column) => {
+                    fields()?.chunks(4).try_for_each(|group| column.take(line, group, &mut entry))?;
+                }
+                // A header of long fields goes on with TOUT, POLAR, nothing and NCOL.
+                Card::Header if !fields()?[2].is_empty() => {
+                    let text = "there is an entry after the header; the card of its column is missing before it";
+                    return Err(Problem::at(line, text));
+                }
+                Card::Header | Card::Other => {}
             }
         } else {
             // Another card.
-            column = None;
+            card = Card::Other;
         }
     }
-    Ok(())
-}
-
-fn take_group(
-    line: u64,
-    column: Place,
-    group: &[&str],
-    entry: &mut impl FnMut(u64, Place, Place, f64) -> Result<(), Problem>,
-) -> Result<(), Problem> {
-    match group {
-        ["", "", "", ..] => Ok(()),
-        [node, direction, value, imaginary] => {
-            if !imaginary.is_empty() && number(line, imaginary)? != 0.0 {
-                return Err(Problem::at(line, "the entry is complex; write real matrices"));
-            }
-            entry(line, column, place(line, node, direction)?, number(line, value)?)
-        }
-        _ => Err(Problem::at(line, "the entry has no grid point, component and value")),
-    }
+    lines.whole()
 }
 
 fn headers(source: &mut Source) -> Result<Vec<(Listed, Header)>, Problem> {
@@ -127,7 +165,7 @@ fn headers(source: &mut Source) -> Result<Vec<(Listed, Header)>, Problem> {
         found.push((listed, header));
         Ok(())
     };
-    each(source, take, |_| false, |_, _, _, _| Ok(()))?;
+    each(source, take, |_, _| Ok(false), |_, _, _| Ok(()))?;
     Ok(found)
 }
 
@@ -144,8 +182,15 @@ pub fn read(source: &mut Source, name: Option<&str>) -> Result<ReadMatrix, Probl
     each(
         source,
         |_, _| Ok(()),
-        |name| name == chosen.name,
-        |_, column, row, value| entries.push(numbering.number(row)?, numbering.number(column)?, value),
+        |line, name| {
+            if headers.iter().any(|header| header.name == name) {
+                return Ok(name == chosen.name);
+            }
+            let name = quoted(name);
+            let text = format!("the column is of matrix {name}, which has no header (with 0 for the grid point)");
+            Err(Problem::at(line, text))
+        },
+        |column, row, value| entries.push(numbering.number(row)?, numbering.number(column)?, value),
     )?;
     let of_it = |problem: Problem| problem.of_matrix(&chosen.name);
     let places = numbering.sort(&mut entries);

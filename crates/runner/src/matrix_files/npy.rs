@@ -2,7 +2,7 @@
 
 use std::io::{BufReader, Read};
 
-use super::entries::{Entries, Symmetry, square};
+use super::entries::{Entries, Symmetry, most_entries, square};
 use super::error::{Problem, quoted};
 use super::matrix::{ReadMatrix, Stored};
 use super::numbers::{self, Kind, Order, ended};
@@ -161,17 +161,17 @@ fn content(name: &str) -> Content {
 /// The matrix of a .npy file.
 pub fn read_file(source: &mut Source) -> Result<ReadMatrix, Problem> {
     source.seek(0)?;
-    read(&mut BufReader::new(&source.file), source.length)
+    read(&mut BufReader::new(&source.file), source.length, source.length)
 }
 
-/// A full matrix.
-pub fn read(from: &mut dyn Read, most: u64) -> Result<ReadMatrix, Problem> {
+/// A full matrix in an array of `most` bytes, from a file of this length.
+pub fn read(from: &mut dyn Read, most: u64, length: u64) -> Result<ReadMatrix, Problem> {
     let header = Header::read(from, most)?;
     let (None, &[rows, columns]) = (header.problem(), &header.shape[..]) else {
         return Err(Problem::new(header.problem().unwrap_or_default()));
     };
     let size = square(rows, columns)?;
-    let mut entries = Entries::default();
+    let mut entries = Entries::at_most(most_entries(size, length));
     // The index that runs first.
     let (mut fast, mut slow) = (0, 0);
     header.each(from, |value| {

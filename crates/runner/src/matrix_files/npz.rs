@@ -2,7 +2,7 @@
 
 use std::io::Read as _;
 
-use super::entries::{Entries, MOST_ENTRIES, Symmetry, from_columns, square, too_many_entries};
+use super::entries::{Entries, MOST_ENTRIES, Symmetry, from_columns, most_entries, square};
 use super::error::{Problem, quoted};
 use super::matrix::{ReadMatrix, Stored};
 use super::npy::{self, Content as Kind, Header};
@@ -12,6 +12,9 @@ use super::zip::{Content, Member, find, members};
 
 const ENDING: &str = ".npy";
 
+/// Most dimensions in the shape of a sparse matrix.
+const MOST_DIMENSIONS: u64 = 32;
+
 /// The arrays in an archive of full ones; `None` where it has one sparse matrix.
 pub fn list(source: &mut Source) -> Result<Option<Vec<Listed>>, Problem> {
     let members = members(source)?;
@@ -19,8 +22,8 @@ pub fn list(source: &mut Source) -> Result<Option<Vec<Listed>>, Problem> {
         return Ok(None);
     }
     let mut listed = Vec::new();
-    for member in members.iter().filter(|member| member.name.ends_with(ENDING)) {
-        let name = member.name.trim_end_matches(ENDING).to_owned();
+    for member in &members {
+        let Some(name) = member.name.strip_suffix(ENDING).map(str::to_owned) else { continue };
         // What is wrong with a matrix matters to who asks for it.
         let header = Content::open(source, member).and_then(|mut content| Header::read(&mut content, member.size));
         let problem = header.map_or_else(|problem| Some(problem.to_string()), |header| header.problem());
@@ -43,8 +46,9 @@ pub fn read(source: &mut Source, name: Option<&str>) -> Result<ReadMatrix, Probl
     let name = &listed[choose(&listed, name)?].name;
     let of_it = |problem: Problem| problem.of_matrix(name);
     let member = find(&members, &format!("{name}{ENDING}")).map_err(of_it)?;
+    let length = source.length;
     let mut content = Content::open(source, member).map_err(of_it)?;
-    let read = npy::read(&mut content, member.size).map_err(of_it)?;
+    let read = npy::read(&mut content, member.size, length).map_err(of_it)?;
     content.finish().map_err(of_it)?;
     Ok(read)
 }
@@ -55,23 +59,41 @@ struct Archive<'a> {
 }
 
 impl Archive<'_> {
-    /// Gives all numbers of an array to `take`, and returns its shape.
-    fn numbers(&mut self, name: &str, mut take: impl FnMut(f64) -> Result<(), Problem>) -> Result<Header, Problem> {
+    /// How many entries are read of a matrix of this size.
+    fn most_entries(&self, size: usize) -> usize {
+        most_entries(size, self.source.length)
+    }
+
+    /// What an array says of itself.
+    fn header(&mut self, name: &str) -> Result<Header, Problem> {
+        let member = find(&self.members, &format!("{name}{ENDING}"))?;
+        Header::read(&mut Content::open(self.source, member)?, member.size)
+    }
+
+    /// Gives all numbers of an array, at most so many, to `take`.
+    fn numbers(
+        &mut self,
+        name: &str,
+        most: u64,
+        mut take: impl FnMut(f64) -> Result<(), Problem>,
+    ) -> Result<(), Problem> {
         let of_it = |problem: Problem| Problem::new(format!("array {}{problem}", quoted(name)));
         let member = find(&self.members, &format!("{name}{ENDING}"))?;
         let mut content = Content::open(self.source, member).map_err(of_it)?;
         let header = Header::read(&mut content, member.size).map_err(of_it)?;
-        if header.count() > MOST_ENTRIES as u64 {
-            return Err(too_many_entries());
+        if header.count() > most {
+            return Err(of_it(Problem::new(format!(
+                "it has {} numbers, but should have {most} at most by the rows of the matrix and the length of the compressed file; save it with compressed=False if it is sound",
+                header.count()
+            ))));
         }
         header.each(&mut content, &mut take).map_err(of_it)?;
-        content.finish().map_err(of_it)?;
-        Ok(header)
+        content.finish().map_err(of_it)
     }
 
-    fn list<T>(&mut self, name: &str, of: impl Fn(f64) -> Result<T, Problem>) -> Result<Vec<T>, Problem> {
+    fn list<T>(&mut self, name: &str, most: u64, of: impl Fn(f64) -> Result<T, Problem>) -> Result<Vec<T>, Problem> {
         let mut list = Vec::new();
-        self.numbers(name, |value| {
+        self.numbers(name, most, |value| {
             list.push(of(value)?);
             Ok(())
         })?;
@@ -96,23 +118,25 @@ impl Archive<'_> {
 
 fn sparse(archive: &mut Archive<'_>) -> Result<ReadMatrix, Problem> {
     let format = archive.format()?;
-    let shape = archive.list("shape", |value| Ok(if value >= 0.0 { value as u64 } else { u64::MAX }))?;
+    let shape =
+        archive.list("shape", MOST_DIMENSIONS, |value| Ok(if value >= 0.0 { value as u64 } else { u64::MAX }))?;
     let &[rows, columns] = &shape[..] else {
         return Err(Problem::new(format!("the array has {} dimensions, not the two of a matrix", shape.len())));
     };
     let size = square(rows, columns)?;
     let built = match &*format {
         "csc" => {
-            let starts = starts(archive)?;
-            let rows = archive.list("indices", index)?;
-            from_columns(size, starts, rows, archive.list("data", Ok)?)?
+            let starts = starts(archive, size)?;
+            let most = archive.most_entries(size) as u64;
+            let rows = archive.list("indices", most, index)?;
+            from_columns(size, starts, rows, archive.list("data", most, Ok)?)?
         }
         "csr" => by_rows(archive, size, None)?.into_matrix(size, Symmetry::None)?,
         "bsr" => {
             let blocks = block(archive)?;
             by_rows(archive, size, Some(blocks))?.into_matrix(size, Symmetry::None)?
         }
-        "coo" => coordinates(archive)?.into_matrix(size, Symmetry::None)?,
+        "coo" => coordinates(archive, size)?.into_matrix(size, Symmetry::None)?,
         "dia" => diagonals(archive, size)?.into_matrix(size, Symmetry::None)?,
         other => {
             return Err(Problem::new(format!(
@@ -124,14 +148,14 @@ fn sparse(archive: &mut Archive<'_>) -> Result<ReadMatrix, Problem> {
     Ok(ReadMatrix::new(built, Stored::General))
 }
 
-fn starts(archive: &mut Archive<'_>) -> Result<Vec<usize>, Problem> {
-    archive.list("indptr", |value| index(value).map(|start| start as usize))
+/// Where each of `count` rows or columns starts, and the end of the last one.
+fn starts(archive: &mut Archive<'_>, count: usize) -> Result<Vec<usize>, Problem> {
+    archive.list("indptr", count as u64 + 1, |value| index(value).map(|start| start as usize))
 }
 
 /// The size of the blocks: `data` has so many of them.
 fn block(archive: &mut Archive<'_>) -> Result<[usize; 2], Problem> {
-    let member = find(&archive.members, "data.npy")?;
-    let header = Header::read(&mut Content::open(archive.source, member)?, member.size)?;
+    let header = archive.header("data")?;
     match header.shape[..] {
         [_, height, width]
             if height > 0 && width > 0 && !header.is_by_columns && header.count() <= MOST_ENTRIES as u64 =>
@@ -145,20 +169,21 @@ fn block(archive: &mut Archive<'_>) -> Result<[usize; 2], Problem> {
 /// Entries row by row, or blocks of entries.
 fn by_rows(archive: &mut Archive<'_>, size: usize, block: Option<[usize; 2]>) -> Result<Entries, Problem> {
     let [height, width] = block.unwrap_or([1, 1]);
-    let starts = starts(archive)?;
-    let columns = archive.list("indices", index)?;
-    let per_block = height.saturating_mul(width);
     let rows = size.div_ceil(height);
+    let starts = starts(archive, rows)?;
+    let most = archive.most_entries(size);
+    let columns = archive.list("indices", most as u64, index)?;
+    let per_block = height.saturating_mul(width);
     let follow = starts.windows(2).all(|pair| pair[0] <= pair[1]);
     if starts.len() != rows + 1 || starts[0] != 0 || !follow || starts[rows] > columns.len() {
         return Err(Problem::new(format!(
             "`indptr` does not rise from 0 to the number of entries in {rows} steps; the file is damaged"
         )));
     }
-    let mut entries = Entries::default();
+    let mut entries = Entries::at_most(most);
     let (mut at, mut row) = (0, 0);
     let last = starts[rows].saturating_mul(per_block);
-    archive.numbers("data", |value| {
+    archive.numbers("data", MOST_ENTRIES as u64, |value| {
         if at >= last {
             return Ok(());
         }
@@ -183,20 +208,32 @@ fn by_rows(archive: &mut Archive<'_>, size: usize, block: Option<[usize; 2]>) ->
     Ok(entries)
 }
 
-fn coordinates(archive: &mut Archive<'_>) -> Result<Entries, Problem> {
+fn coordinates(archive: &mut Archive<'_>, size: usize) -> Result<Entries, Problem> {
+    let most = archive.most_entries(size);
     // Later versions of SciPy may write both as one array.
     let [rows, columns] = if find(&archive.members, "coords.npy").is_ok() {
-        let mut rows = archive.list("coords", index)?;
-        let columns = rows.split_off(rows.len() / 2);
-        [rows, columns]
+        let header = archive.header("coords")?;
+        if !matches!(header.shape[..], [2, _]) {
+            return Err(Problem::new(format!(
+                "the array `coords` has the shape {:?}, not the two rows of a matrix; the file is damaged",
+                header.shape
+            )));
+        }
+        let all = archive.list("coords", 2 * most as u64, index)?;
+        if header.is_by_columns {
+            [0, 1].map(|first| all.iter().skip(first).step_by(2).copied().collect::<Vec<u32>>())
+        } else {
+            let (rows, columns) = all.split_at(all.len() / 2);
+            [rows.to_vec(), columns.to_vec()]
+        }
     } else {
-        [archive.list("row", index)?, archive.list("col", index)?]
+        [archive.list("row", most as u64, index)?, archive.list("col", most as u64, index)?]
     };
-    let mut entries = Entries::default();
+    let mut entries = Entries::at_most(most);
     let mut at = 0;
     let count = rows.len();
     let wrong = || Problem::new("rows, columns and values of the entries are not equally many; the file is damaged");
-    archive.numbers("data", |value| {
+    archive.numbers("data", most as u64, |value| {
         let (Some(&row), Some(&column)) = (rows.get(at), columns.get(at)) else { return Err(wrong()) };
         at += 1;
         entries.push(row, column, value)
@@ -206,15 +243,11 @@ fn coordinates(archive: &mut Archive<'_>) -> Result<Entries, Problem> {
 
 /// Diagonals, each with its values at the places of their columns.
 fn diagonals(archive: &mut Archive<'_>, size: usize) -> Result<Entries, Problem> {
-    let offsets = archive.list("offsets", Ok)?;
-    let mut entries = Entries::default();
-    let mut values = Vec::new();
-    let header = archive.numbers("data", |value| {
-        values.push(value);
-        Ok(())
-    })?;
+    let most = archive.most_entries(size);
+    let offsets = archive.list("offsets", (2 * size as u64).min(most as u64), Ok)?;
+    let header = archive.header("data")?;
     let long = match header.shape[..] {
-        [count, long] if count == offsets.len() as u64 && !header.is_by_columns => long as usize,
+        [count, long] if count == offsets.len() as u64 && !header.is_by_columns => long.max(1) as usize,
         _ => {
             return Err(Problem::new(format!(
                 "the {} diagonals have the shape {:?}; the file is damaged",
@@ -223,13 +256,16 @@ fn diagonals(archive: &mut Archive<'_>, size: usize) -> Result<Entries, Problem>
             )));
         }
     };
-    for (offset, diagonal) in offsets.iter().zip(values.chunks(long.max(1))) {
-        for (column, &value) in diagonal.iter().enumerate().take(size) {
-            let row = column as f64 - offset;
-            if row >= 0.0 && row < size as f64 && value != 0.0 {
-                entries.push(index(row)?, column as u32, value)?;
-            }
+    let mut entries = Entries::at_most(most);
+    let mut at = 0;
+    archive.numbers("data", MOST_ENTRIES as u64, |value| {
+        let (offset, column) = (offsets.get(at / long), at % long);
+        at += 1;
+        let row = offset.map_or(f64::NAN, |offset| column as f64 - offset);
+        if value != 0.0 && column < size && row >= 0.0 && row < size as f64 {
+            entries.push(index(row)?, column as u32, value)?;
         }
-    }
+        Ok(())
+    })?;
     Ok(entries)
 }

@@ -100,6 +100,7 @@ pub fn read(source: &mut Source, name: Option<&str>) -> Result<ReadMatrix, Probl
             Part::Other => {}
         }
     }
+    lines.whole()?;
     let of_it = |problem: Problem| problem.of_matrix(&chosen);
     let places = element.places()?;
     let (mut entries, size) = values.finished(is_symmetric).map_err(of_it)?;

@@ -2,7 +2,11 @@
 
 use std::collections::HashMap;
 use std::fs;
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
+
+use flate2::write::DeflateEncoder;
+use flate2::{Compression, Crc};
 
 use super::{ReadMatrix, Stored, align, names, read};
 
@@ -357,6 +361,31 @@ fn texts_that_are_wrong_are_refused_with_line_value_and_limit() {
         ),
         (".pch", dmig("DMIG,K,0,6,2,0\n"), ":2: matrix `K` starts a second time"),
         (".pch", "DMIG,K,0,9,2,0\n".to_owned(), "IFO is 9"),
+        (
+            ".pch",
+            dmig(",1,1,2.0\nDMIG,K,2,1,,2,1,2.0\n"),
+            ":2: there is an entry after the header; the card of its column is missing before it",
+        ),
+        (
+            ".pch",
+            dmig("DMIG,K,1,1,,1,1,1.0\n,2,1,3.0\n,2,1,4.0\n"),
+            ":4: the row of grid point 2 and component 1 is there twice in one card",
+        ),
+        (
+            ".pch",
+            dmig("DMIG,K,1,1,,1,1,1.0\nDMIG,L,2,1,,2,1,4.0\n"),
+            ":3: the column is of matrix `L`, which has no header",
+        ),
+        (".pch", dmig("DMIG,K,1,1,,1,1,1.0"), ":2: the last line has no end"),
+        (".mtx", "1,1,1,1,5.0\n2,1,2,1,1.25".to_owned(), ":2: the last line has no end"),
+        (".mtx", "1 1 5.0\n2 2 1.25".to_owned(), ":2: the last line has no end"),
+        (".sti", "1 1 5.0\n2 2 1.25".to_owned(), ":2: the last line has no end"),
+        (".mtx", substructure("*MATRIX,TYPE=STIFFNESS\n1.,\n2., 3."), ":7: the last line has no end"),
+        (
+            ".mtx",
+            "2 2 1\n1 2 -1.5\n".to_owned(),
+            ":1: this may be an entry, or a line of Matrix Market for 2 rows, 2 columns and the 1 entries that follow",
+        ),
         (".pch", "DMIG,K,0,6,4,0\n".to_owned(), "TIN is 3 or 4"),
         (".pch", dmig(""), "matrix `K`: the matrix has no rows"),
         (".sti", "1 1 1.0\n1 2 1.0\n2 1 1.0\n".to_owned(), "CalculiX writes one triangle"),
@@ -435,4 +464,105 @@ fn one_side_of_the_diagonal_without_a_diagonal_is_not_mirrored() {
         (dense(&stiffness), stiffness.stored),
         (vec![vec![2.0, -1.0], vec![-1.0, 2.0]], Stored::SymmetricTriangle)
     );
+}
+
+/// An array of NumPy.
+fn array(descr: &str, is_by_columns: bool, shape: &str, numbers: &[u8]) -> Vec<u8> {
+    let order = if is_by_columns { "True" } else { "False" };
+    let header = format!("{{'descr': '{descr}', 'fortran_order': {order}, 'shape': {shape}, }}\n");
+    [&b"\x93NUMPY\x01\x00"[..], &(header.len() as u16).to_le_bytes(), header.as_bytes(), numbers].concat()
+}
+
+/// Whole numbers of a byte each.
+fn bytes(numbers: &[u8]) -> Vec<u8> {
+    array("|u1", false, &format!("({},)", numbers.len()), numbers)
+}
+
+/// A zip archive of these members, deflated.
+fn archive(members: &[(&str, Vec<u8>)]) -> Vec<u8> {
+    let (mut archive, mut list) = (Vec::new(), Vec::new());
+    for (name, content) in members {
+        let mut packed = DeflateEncoder::new(Vec::new(), Compression::best());
+        packed.write_all(content).unwrap();
+        let packed = packed.finish().unwrap();
+        let mut crc = Crc::new();
+        crc.update(content);
+        let place = archive.len() as u32;
+        // What both records of a member have: version, flags, method, time, date, checksum, sizes, lengths of names.
+        let mut record = [20_u16, 0, 8, 0, 0].map(u16::to_le_bytes).concat();
+        record.extend([crc.sum(), packed.len() as u32, content.len() as u32].map(u32::to_le_bytes).concat());
+        record.extend([name.len() as u16, 0].map(u16::to_le_bytes).concat());
+        archive.extend([&b"PK\x03\x04"[..], &record, name.as_bytes(), &packed].concat());
+        list.extend([&b"PK\x01\x02\x14\x00"[..], &record, &[0; 10], &place.to_le_bytes(), name.as_bytes()].concat());
+    }
+    let sizes = [list.len() as u32, archive.len() as u32].map(u32::to_le_bytes).concat();
+    [&archive[..], &list, b"PK\x05\x06", &[0; 8], &sizes, &[0; 2]].concat()
+}
+
+/// A sparse matrix of SciPy with three rows.
+fn sparse(format: &str, arrays: &[(&'static str, Vec<u8>)]) -> Vec<u8> {
+    let head = [("format.npy", array("|S3", false, "()", format.as_bytes())), ("shape.npy", bytes(&[3, 3]))];
+    archive(&[&head[..], arrays].concat())
+}
+
+#[test]
+fn what_a_small_archive_inflates_to_is_bounded() {
+    let many = vec![0_u8; 2_000_000];
+    let rows = bytes(&[0, 1, 1, 1]);
+    let one = bytes(&[1]);
+    let ones = vec![1_u8; 1500 * 1500];
+    for (content, words) in [
+        (
+            sparse("csr", &[("indptr.npy", rows.clone()), ("indices.npy", bytes(&many)), ("data.npy", one.clone())]),
+            "array `indices`: it has 2000000 numbers, but should have 1048585 at most",
+        ),
+        (
+            sparse("csc", &[("indptr.npy", rows), ("indices.npy", one.clone()), ("data.npy", bytes(&many))]),
+            "array `data`: it has 2000000 numbers, but should have 1048585 at most",
+        ),
+        (
+            sparse("csc", &[("indptr.npy", bytes(&many)), ("indices.npy", one.clone()), ("data.npy", one.clone())]),
+            "array `indptr`: it has 2000000 numbers, but should have 4 at most",
+        ),
+        (
+            sparse("coo", &[("row.npy", bytes(&many)), ("col.npy", bytes(&many)), ("data.npy", bytes(&many))]),
+            "array `row`: it has 2000000 numbers",
+        ),
+        (
+            sparse("dia", &[("offsets.npy", bytes(&many)), ("data.npy", one)]),
+            "array `offsets`: it has 2000000 numbers, but should have 6 at most",
+        ),
+        (
+            archive(&[("K.npy", array("|b1", false, "(1500, 1500)", &ones))]),
+            "entries, the limit for its rows and the length of its compressed file",
+        ),
+        (archive(&[("K.npy", array("|b1", false, "(2, 2)", &ones))]), "matrix `K`: 2249996 bytes follow the array"),
+    ] {
+        assert!(content.len() < 20_000, "{}", content.len());
+        let message = refusal(".npz", &content, None);
+        assert!(message.contains(words), "{message}");
+    }
+}
+
+#[test]
+fn coordinates_may_stand_by_rows_or_by_columns() {
+    let place = tempfile::tempdir().unwrap();
+    let path = place.path().join("brake.npz");
+    for (is_by_columns, coordinates) in [(false, [0, 1, 2, 1, 2, 0]), (true, [0, 1, 1, 2, 2, 0])] {
+        let coordinates = array("|u1", is_by_columns, "(2, 3)", &coordinates);
+        fs::write(&path, sparse("coo", &[("coords.npy", coordinates), ("data.npy", bytes(&[5, 6, 7]))])).unwrap();
+        assert_eq!(dense(&read(&path, None).unwrap()), [[0.0, 5.0, 0.0], [0.0, 0.0, 6.0], [7.0, 0.0, 0.0]]);
+    }
+    let flat = sparse("coo", &[("coords.npy", bytes(&[0, 1])), ("data.npy", bytes(&[5]))]);
+    assert!(refusal(".npz", &flat, None).contains("`coords` has the shape [2], not the two rows"));
+}
+
+#[test]
+fn the_last_of_several_members_of_a_name_counts() {
+    let place = tempfile::tempdir().unwrap();
+    let path = place.path().join("brake.npz");
+    let of = |value: u8| array("|u1", false, "(1, 1)", &[value]);
+    fs::write(&path, archive(&[("K.npy", of(1)), ("M.npy", of(3)), ("K.npy", of(2))])).unwrap();
+    assert_eq!(names(&path).unwrap(), ["M", "K"]);
+    assert_eq!(dense(&read(&path, Some("K")).unwrap()), [[2.0]]);
 }

@@ -16,6 +16,8 @@ pub struct Lines<'a> {
     bytes: Vec<u8>,
     /// The number of the line that was read last, from 1.
     pub number: u64,
+    /// Whether that line has an end.
+    has_end: bool,
 }
 
 impl<'a> Lines<'a> {
@@ -26,7 +28,7 @@ impl<'a> Lines<'a> {
     pub fn new(source: &'a mut Source) -> Result<Self, Problem> {
         source.seek(0)?;
         let reader = BufReader::with_capacity(1 << 18, &source.file);
-        Ok(Self { reader, bytes: Vec::new(), number: 0 })
+        Ok(Self { reader, bytes: Vec::new(), number: 0, has_end: true })
     }
 
     /// The next line without its end, and its number.
@@ -45,8 +47,23 @@ impl<'a> Lines<'a> {
             }
             _ => {}
         }
+        self.has_end = self.bytes.ends_with(b"\n");
         let text = str::from_utf8(&self.bytes).map_err(|_| Problem::at(self.number, NOT_TEXT))?;
         Ok(Some((self.number, text.trim_end_matches(['\n', '\r']))))
+    }
+
+    /// Refuses a last line without an end, once all are read: in formats that do not say how many lines there are, a
+    /// number that is cut off may be a number still.
+    ///
+    /// # Errors
+    /// Such a line.
+    pub fn whole(&self) -> Result<(), Problem> {
+        if self.has_end {
+            return Ok(());
+        }
+        let text = "the last line has no end: the file may be cut off; put a line break at its end if it is whole";
+        // The number has gone on to the line that is not there.
+        Err(Problem::at(self.number - 1, text))
     }
 
     /// The next line, which the format asks for.

@@ -1,5 +1,6 @@
 //! Zip archives as NumPy writes them: stored or deflated members, also with the long numbers of Zip64.
 
+use std::collections::HashSet;
 use std::fs::File;
 use std::io::{self, BufReader, Read, Take};
 
@@ -62,7 +63,7 @@ fn bytes_at(source: &mut Source, place: u64, length: u64) -> Result<Vec<u8>, Pro
     Ok(bytes)
 }
 
-/// The members of an archive.
+/// The members of an archive: of several of one name the last, which NumPy reads.
 pub fn members(source: &mut Source) -> Result<Vec<Member>, Problem> {
     let length = source.length.min(LENGTH_OF_END + LONGEST_COMMENT);
     let tail_place = source.length - length;
@@ -92,6 +93,10 @@ pub fn members(source: &mut Source) -> Result<Vec<Member>, Problem> {
         members.push(member);
         rest = rest.get(length..).ok_or_else(damaged)?;
     }
+    let mut names = HashSet::new();
+    members.reverse();
+    members.retain(|member: &Member| names.insert(member.name.clone()));
+    members.reverse();
     Ok(members)
 }
 
@@ -181,11 +186,13 @@ impl<'a> Content<'a> {
         Ok(Self { from, left: member.size, crc: Crc::new(), expected: member.crc })
     }
 
-    /// Reads the rest and compares the checksum.
-    pub fn finish(mut self) -> Result<(), Problem> {
-        let mut bytes = [0; 4096];
-        while self.read(&mut bytes).map_err(|error| ended(&error))? > 0 {}
-        if self.left > 0 || self.crc.sum() != self.expected {
+    /// Compares the checksum at the end of what is read. What may follow it is not inflated.
+    pub fn finish(self) -> Result<(), Problem> {
+        if self.left > 0 {
+            let text = format!("{} bytes follow the array; the file is damaged", self.left);
+            return Err(Problem::new(text));
+        }
+        if self.crc.sum() != self.expected {
             return Err(Problem::new("its checksum is wrong; the file is damaged"));
         }
         Ok(())

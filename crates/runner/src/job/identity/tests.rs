@@ -315,3 +315,10 @@ fn maps_are_shared_where_model_speed_and_criterion_agree() {
     assert_ne!(own, key(&MAPPED.replace("[axes]", "[model.pad]\nmass = 0.11\n[axes]"), 15.0));
     assert_ne!(own, job(MAPPED).hash());
 }
+
+#[test]
+fn values_that_json_cannot_hold_have_different_hashes() {
+    let of = |value: u8| hashed("job", &BTreeMap::from([((1, 2), value)]));
+    assert_ne!(of(1), of(2));
+    assert_eq!(of(1), of(1));
+}

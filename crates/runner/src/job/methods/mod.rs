@@ -125,13 +125,14 @@ mod tests {
     use super::*;
 
     /// Values for the keys, one of each.
-    const GIVEN: [&str; 11] = [
+    const GIVEN: [&str; 12] = [
         "samples = 1024",
         "until = { half_width = 0.1 }",
         "evaluate = \"boundary\"",
         "audit = 20",
         "randomisations = 8",
         "particles = 60",
+        "common_random_numbers = true",
         "confidence = 0.9",
         "interval = \"wilson\"",
         "simultaneous = true",

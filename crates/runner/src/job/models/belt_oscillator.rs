@@ -10,7 +10,7 @@ use stickslip_core::model::Model;
 use stickslip_core::model::quantity::{Quantity, Role};
 use stickslip_core::models::belt_oscillator::{BeltCriterion, BeltOscillator, Oscillator, quantities};
 use stickslip_core::models::pad_on_disc::criterion::settings::TimeDomainSettings;
-use stickslip_core::models::pad_on_disc::model::Criterion;
+use stickslip_core::models::pad_on_disc::model::{Criterion, LinearResult};
 use stickslip_core::models::pad_on_disc::motion::start::{GivenStart, Start};
 use stickslip_core::models::pad_on_disc::parameters::{Friction, ParameterError, Parameters};
 use stickslip_core::models::pad_on_disc::rigid_disc::pad_on_disc::PadOnDisc;
@@ -175,6 +175,19 @@ impl RecordedName for BeltRecord {
         Self::CycleVelocity,
         Self::CriticalNormalForce,
     ];
+
+    fn linear(self) -> Option<LinearResult> {
+        match self {
+            Self::Amplitude => None,
+            Self::GrowthRate => Some(LinearResult::GrowthRate),
+            Self::Frequency => Some(LinearResult::Frequency),
+            Self::CriticalSpeed => Some(LinearResult::CriticalSpeed),
+            Self::CycleAmplitude => Some(LinearResult::CycleAmplitude),
+            Self::CycleFrequency => Some(LinearResult::CycleFrequency),
+            Self::CycleVelocity => Some(LinearResult::CycleVelocity),
+            Self::CriticalNormalForce => Some(LinearResult::CriticalPreload),
+        }
+    }
 }
 
 /// A state that a motion starts in. What is left out is as in steady sliding.

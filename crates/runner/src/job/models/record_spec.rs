@@ -6,15 +6,11 @@ use stickslip_core::models::pad_on_disc::model::{LinearRecord, LinearResult};
 
 /// The names of what a model records.
 pub trait RecordedName: Copy + PartialEq + Serialize + 'static {
-    /// All of them: what is of motions, then what is of linear stability in the order of [`LinearResult::ALL`].
+    /// All of them, first what is of motions.
     const ALL: &'static [Self];
 
     /// What it is of linear stability; `None` for what is of motions.
-    fn linear(self) -> Option<LinearResult> {
-        let of_motions = Self::ALL.len() - LinearResult::ALL.len();
-        let place = Self::ALL.iter().position(|name| *name == self)?;
-        LinearResult::ALL.get(place.checked_sub(of_motions)?).copied()
-    }
+    fn linear(self) -> Option<LinearResult>;
 }
 
 /// What is recorded of samples that are decided by linear stability.

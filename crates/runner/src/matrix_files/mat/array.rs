@@ -1,6 +1,8 @@
 //! Variables of a MAT file: full and sparse arrays.
 
-use crate::matrix_files::entries::{Built, Entries, MOST_ENTRIES, Symmetry, from_columns, square, too_many_entries};
+use crate::matrix_files::entries::{
+    Built, Entries, MOST_ENTRIES, Symmetry, from_columns, most_entries, square, too_many_entries,
+};
 use crate::matrix_files::error::Problem;
 use crate::matrix_files::numbers::{Order, index};
 
@@ -79,17 +81,18 @@ impl Head {
     }
 }
 
-/// Reads the numbers after the head.
-pub fn read(body: &mut Body<'_>, head: &Head) -> Result<Built, Problem> {
+/// Reads the numbers after the head, of a file of this length.
+pub fn read(body: &mut Body<'_>, head: &Head, length: u64) -> Result<Built, Problem> {
     let &[rows, columns] = &head.dimensions[..] else {
         return Err(Problem::new("it has one dimension"));
     };
     let size = square(rows, columns)?;
-    if head.class == SPARSE { sparse(body, size, head.most_entries) } else { full(body, size) }
+    let most = most_entries(size, length);
+    if head.class == SPARSE { sparse(body, size, head.most_entries, most) } else { full(body, size, most) }
 }
 
-fn full(body: &mut Body<'_>, size: usize) -> Result<Built, Problem> {
-    let mut entries = Entries::default();
+fn full(body: &mut Body<'_>, size: usize, most: usize) -> Result<Built, Problem> {
+    let mut entries = Entries::at_most(most);
     let count = (size as u64).saturating_mul(size as u64);
     let (mut row, mut column) = (0, 0);
     body.numbers("entries", [count, count], |value| {
@@ -105,12 +108,12 @@ fn full(body: &mut Body<'_>, size: usize) -> Result<Built, Problem> {
     entries.into_matrix(size, Symmetry::None)
 }
 
-fn sparse(body: &mut Body<'_>, size: usize, most: u64) -> Result<Built, Problem> {
-    if most > MOST_ENTRIES as u64 {
-        return Err(too_many_entries());
+fn sparse(body: &mut Body<'_>, size: usize, room: u64, most: usize) -> Result<Built, Problem> {
+    if room > MOST_ENTRIES as u64 {
+        return Err(too_many_entries(MOST_ENTRIES));
     }
     // There may be more room in the file than entries; MATLAB keeps room for one at least.
-    let most = most.max(1);
+    let most = room.max(1).min(most as u64);
     let mut rows = Vec::new();
     body.numbers("rows of entries", [0, most], |value| {
         rows.push(index(value)?);

@@ -94,9 +94,10 @@ pub fn read(source: &mut Source, name: Option<&str>) -> Result<ReadMatrix, Probl
     let (order, variables) = variables(source)?;
     let chosen = &variables[choose(&listed(&variables), name)?];
     let of_it = |problem: Problem| problem.of_matrix(&chosen.head.name);
+    let length = source.length;
     let (mut body, _) = Body::at(source, chosen.place, order)?;
     let head = Head::read(&mut body)?.ok_or_else(|| Problem::new("the file changed while it was read"))?;
-    let built = array::read(&mut body, &head).map_err(of_it)?;
+    let built = array::read(&mut body, &head, length).map_err(of_it)?;
     body.finish().map_err(of_it)?;
     Ok(ReadMatrix::new(built, Stored::General))
 }

@@ -50,7 +50,7 @@ pub fn refuse(terms: &[Term], stiffness_from: usize, complaints: &mut Complaints
             String::new()
         };
         let message = format!(
-            "{} of {size} degrees of freedom have no mass (the first is {}): the matrix is not positive definite; condense them, or give them a small mass{constrained}",
+            "{} of {size} degrees of freedom have no mass (the first is {}): the matrix is not positive definite; condense them (nothing is lost where they have no damping either: K_aa - K_am K_mm^-1 K_ma, with a for the others and m for them), or give them a small mass{constrained}",
             without.len(),
             named(terms, *first)
         );

@@ -7,6 +7,7 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{Unexpected, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use stickslip_core::models::pad_on_disc::flexible_disc::plate_modes::MOST_DISC_MODES;
+use stickslip_core::models::pad_on_disc::model::LinearResult;
 use stickslip_core::models::pad_on_disc::motion::start::{GivenStart, StartUnits};
 use toml::Spanned;
 
@@ -231,6 +232,19 @@ impl RecordedName for Record {
         Self::CycleVelocity,
         Self::CriticalPreload,
     ];
+
+    fn linear(self) -> Option<LinearResult> {
+        match self {
+            Self::Amplitude => None,
+            Self::GrowthRate => Some(LinearResult::GrowthRate),
+            Self::Frequency => Some(LinearResult::Frequency),
+            Self::CriticalSpeed => Some(LinearResult::CriticalSpeed),
+            Self::CycleAmplitude => Some(LinearResult::CycleAmplitude),
+            Self::CycleFrequency => Some(LinearResult::CycleFrequency),
+            Self::CycleVelocity => Some(LinearResult::CycleVelocity),
+            Self::CriticalPreload => Some(LinearResult::CriticalPreload),
+        }
+    }
 }
 
 impl CriterionKind {
