@@ -324,6 +324,12 @@ pub fn named_by(variable: &str) -> Option<OsString> {
     named
 }
 
+/// Makes a pipe that nobody writes into: it would be waited for.
+#[track_caller]
+pub fn make_pipe(path: &Path) {
+    assert_succeeds(Command::new("mkfifo").arg(path));
+}
+
 /// Runs a Python script of this folder and asserts that it succeeds; false where there is no Python, see [`named_by`].
 #[track_caller]
 pub fn python_agrees<I: AsRef<OsStr>>(script: &str, arguments: impl IntoIterator<Item = I>) -> bool {

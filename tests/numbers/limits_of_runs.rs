@@ -111,6 +111,41 @@ fn lost_and_damaged_limits_are_found_and_written_again() {
 }
 
 #[test]
+fn a_job_that_is_written_again_has_its_limits_or_it_is_said_that_they_are_lost() {
+    let place = Place::new();
+    place.write("job.toml", &job(SAMPLES, LIMIT));
+    place.run("submit job.toml --out run").done();
+    let (path, limits) = (place.path("run/job.toml"), place.path("run/limits.parquet"));
+    let sound = fs::read(&limits).unwrap();
+    let damage = || fs::write(&path, fs::read_to_string(&path).unwrap().replacen("seed = 3", "seed = 4", 1)).unwrap();
+    for is_lost in [false, true] {
+        if is_lost {
+            fs::remove_file(&path).unwrap();
+        } else {
+            damage();
+        }
+        let verified = place.run("verify run").done().stdout;
+        let but = if is_lost { ", but for [target]" } else { "" };
+        let written = format!("the surface holds what it was{but}, and it is written again\n");
+        assert!(verified.contains(&written) && verified.contains("limits.parquet: sound"), "{verified}");
+        let said = place.run("resume run").done().stdout;
+        assert!(said.contains("limits of preload at P = 0.01, 0.2"), "{said}");
+        assert!(fs::read(&limits).unwrap() == sound);
+    }
+    // Without limits nothing says what they were of.
+    fs::remove_file(&limits).unwrap();
+    damage();
+    let verified = place.run("verify run").refused(74, &["damaged: job.toml", "remove run/job.toml", "`--out run`"]);
+    assert!(verified.stdout.contains("the surface holds what it was, but for [limit]"), "{}", verified.stdout);
+    assert!(fs::read_to_string(place.path("run/job.toml.damaged")).unwrap().contains("[limit]"));
+    assert!(!fs::read_to_string(&path).unwrap().contains("[limit]"));
+    fs::remove_file(&path).unwrap();
+    place.run("submit job.toml --out run").done();
+    assert!(fs::read(&limits).unwrap() == sound);
+    place.run("verify run").done();
+}
+
+#[test]
 fn shards_leave_the_limits_to_merge() {
     let place = Place::new();
     place.write("job.toml", &job(SAMPLES, LIMIT));

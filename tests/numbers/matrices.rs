@@ -331,6 +331,29 @@ fn the_full_matrices_of_a_brake_give_its_probability_and_reduced_ones_nearly() {
     place.run("check whole.toml").refused(65, &["4669 degrees of freedom are too many", "stickslip reduce"]);
     place.write("open.toml", &job.replace("frequency = [1000.0, 3000.0]", ""));
     place.run("check open.toml").refused(65, &["looks for eigenvalues in a band", "criterion.frequency"]);
+
+    // The matrices of another reduction are neither replaced nor taken for those of a job.
+    let others = std::fs::read(place.path("full-100.mat")).unwrap();
+    for name in ["poor.mat", "third.mat"] {
+        std::fs::write(place.path(name), &others).unwrap();
+    }
+    place.run("check poor.toml").refused(65, &["poor.mat is another than the one of this job"]);
+    let third = place.run("reduce full.toml --vectors 4 --audit 0 --out third.toml");
+    third.refused(64, &["third.mat is there already", "--out"]);
+    assert!(std::fs::read(place.path("third.mat")).unwrap() == others && !place.path("third.toml").exists());
+}
+
+#[test]
+fn a_reduction_replaces_no_file() {
+    let place = Place::new();
+    place.write("job.toml", &two_masses("", &format!("{SCATTER}{CRITERION}frequency = [0.01, 10.0]\n")));
+    for name in ["brake.toml", "brake.mat"] {
+        let path = place.write(name, "mine");
+        let refused = place.run("reduce job.toml --vectors 1 --out brake.toml");
+        refused.refused(64, &[&format!("{name} is there already"), "remove it, or name another file with --out"]);
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), "mine");
+        std::fs::remove_file(path).unwrap();
+    }
 }
 
 #[test]
@@ -360,6 +383,43 @@ fn a_run_goes_on_with_its_own_matrices_alone() {
 }
 
 #[test]
+fn a_run_whose_matrices_were_moved_is_sound_and_goes_on_from_where_they_are() {
+    for sampling in ["samples = 2000", "method = \"exact\""] {
+        let place = Place::new();
+        let matrix = |coupling: f64| format!("%%MatrixMarket matrix coordinate real general\n2 2 1\n1 2 {coupling}\n");
+        place.write("friction.mtx", &matrix(-1.5));
+        let rest = format!("{SCATTER}{CRITERION}[sampling]\n{sampling}\n");
+        let job =
+            two_masses("", &rest).replace("matrix = [[0, -1.3333333333333333], [0, 0]]", "file = \"friction.mtx\"");
+        submitted(&place, "run", &job);
+        let surface = place.surface("run");
+        std::fs::create_dir(place.path("now")).unwrap();
+        std::fs::rename(place.path("friction.mtx"), place.path("now/friction.mtx")).unwrap();
+        let said = ["friction.mtx", "No such file", "run/job.toml is as it was written", "`--out run`"];
+        place.run("status run").refused(65, &said);
+        let verified = place.run("verify run").refused(65, &said).stdout;
+        assert!(!verified.contains("damaged"), "{verified}");
+        for line in ["job.toml: sound, but", "all sound", "surface.parquet: as it was written", "run.json: sound"] {
+            assert!(verified.contains(line), "{line}: {verified}");
+        }
+        let mut damaged = surface.clone();
+        damaged[surface.len() / 2] ^= 1;
+        std::fs::write(place.path("run/surface.parquet"), damaged).unwrap();
+        place.run("verify run").refused(74, &["damaged: surface.parquet"]);
+        std::fs::write(place.path("run/surface.parquet"), &surface).unwrap();
+        // Other matrices are those of another job, under whatever name.
+        place.write("friction.mtx", &matrix(-1.25));
+        place.run("submit run.toml --out run").refused(65, &["friction.mtx is another than the one of this job"]);
+        std::fs::remove_file(place.path("friction.mtx")).unwrap();
+        place.write("moved.toml", &job.replace("friction.mtx", "now/friction.mtx"));
+        let moved = place.run("submit moved.toml --out run").done();
+        assert!(moved.stderr.contains("job.toml is refused; it is written again"), "{}", moved.stderr);
+        assert!(place.surface("run") == surface);
+        place.run("verify run").done();
+    }
+}
+
+#[test]
 fn what_is_wrong_with_matrices_is_said_in_words_of_their_makers() {
     let place = Place::new();
     let rest = format!("{SCATTER}{CRITERION}");
@@ -386,6 +446,16 @@ fn what_is_wrong_with_matrices_is_said_in_words_of_their_makers() {
             &["1 entries on the diagonal are 1e30 or more (the first is number 1)", "constrained degrees of freedom"],
         ),
         ("matrix = [[2, 1], [1, 2]]", "file = \"no.mat\", matrix = \"K\"", &["no.mat", "No such file"]),
+        (
+            "friction = 0.7",
+            "friction = { value = 0.7, label = \"a\\u0001\" }",
+            &["model.parameters.friction.label has the character U+0001", "leave control characters out"],
+        ),
+        (
+            "friction = 0.7",
+            "friction = { value = 0.7, unit = \"\\uFFFF\" }",
+            &["model.parameters.friction.unit has the character U+FFFF"],
+        ),
         ("matrix = [[2, 1], [1, 2]]", "file = \"new.mat\", matrix = \"K\"", &["7.3", "-v7"]),
         ("kind = \"complex-eigenvalue\"", "kind = \"eigenvalue\"", &["complex-eigenvalue"]),
         ("kind = \"complex-eigenvalue\"", "kind = \"complex-eigenvalue\"\nfrequency = [3000, 1000]", &["is no band"]),

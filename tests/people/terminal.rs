@@ -4,7 +4,7 @@
 
 use std::fs;
 
-use crate::common::{Place, Table, repository};
+use crate::common::{Place, Table, make_pipe, repository};
 
 /// A job of three speeds and six preloads without samples.
 const EXACT: &str = r#"name = "exact"
@@ -188,6 +188,10 @@ fn a_shipped_job_is_written_with_its_files_and_nothing_is_replaced() {
         .run("init --from mission third.toml")
         .refused(73, &["mission-friction.csv exists already and is another file"]);
     assert!(!place.path("third.toml").exists());
+    fs::remove_file(place.path("mission-friction.csv")).unwrap();
+    make_pipe(&place.path("mission-friction.csv"));
+    let refused = place.run_unless_it_hangs("init --from mission third.toml");
+    refused.refused(73, &["mission-friction.csv exists already and is another file"]);
     place.run("init --from own-brake").done();
     let matrices = "own-brake/own-brake.mat";
     assert!(fs::read(place.path(matrices)).unwrap() == fs::read(repository().join("jobs").join(matrices)).unwrap());

@@ -10,7 +10,7 @@ use std::process::{Child, Command, Stdio};
 use std::thread;
 use std::time::Duration;
 
-use crate::common::{BOTH, Outcome, Place, job, surface_job, wait_for, wait_until};
+use crate::common::{BOTH, Outcome, Place, job, make_pipe, surface_job, wait_for, wait_until};
 
 /// A finished run of a small job.
 fn finished() -> Place {
@@ -41,10 +41,6 @@ fn run_counting_reads(place: &Place, words: &str) -> Outcome {
 fn files(folder: &Path, extension: &str) -> Vec<PathBuf> {
     let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
     entries.filter(|path| path.extension().is_some_and(|found| found == extension)).collect()
-}
-
-fn make_pipe(path: &Path) {
-    assert!(Command::new("mkfifo").arg(path).status().unwrap().success());
 }
 
 #[test]

@@ -70,11 +70,12 @@ fn is_own_code(text: &str) -> bool {
     parameters.is_some_and(|rest| rest.starts_with(['m', 'A', 'J']))
 }
 
-/// Whether a character is not seen, or changes how others are: control characters, ends of lines of any kind, and marks
-/// that turn the direction of writing.
+/// Whether a character is not seen, or changes how others are: control characters, ends of lines of any kind, marks
+/// that turn the direction of writing, and what is no character.
 fn is_hidden(c: char) -> bool {
     c.is_control()
-        || matches!(c, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}')
+        || matches!(c, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}')
+        || matches!(c, '\u{feff}' | '\u{fffe}' | '\u{ffff}')
 }
 
 /// The inside of a `$'...'` of bash and zsh.

@@ -45,7 +45,8 @@ pub fn adopt(directory: &RunDirectory, source: &JobSource, job: Job) -> Result<(
         && directory.takes_place_of_damaged(refused, &job)
     {
         directory.freeze(source, &job)?;
-        note(format_args!("{} was damaged; it is written again", directory.path().join(JOB).display()));
+        let was = if refused.message().code == Code::Damaged { "was damaged" } else { "is refused" };
+        note(format_args!("{} {was}; it is written again", directory.path().join(JOB).display()));
     }
     if directory.job_source()?.is_none() {
         // There may be pieces without a job.toml, if somebody removed it. Those of this job count; others are refused

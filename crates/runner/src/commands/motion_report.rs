@@ -14,7 +14,7 @@ use crate::output::{output_file, result, shown};
 use crate::picture::chart::{Chart, ChartAxis, Series};
 use crate::picture::scale::Scale;
 use crate::picture::terminal::drawn;
-use crate::units::{duration, frequency, length, range, row, speed};
+use crate::units::{duration, frequency, length, range, row, significant, speed};
 
 /// Scaled time at the end of a trajectory that is drawn: some five cycles of the pad.
 const DRAWN: f64 = 18.0;
@@ -169,6 +169,7 @@ fn summary_keys(scales: &Scales, trajectory: &Trajectory) -> Map<String, Value> 
         "x_min": of(|settled| settled.tangential_min),
         "x_mean": of(|settled| settled.tangential_mean),
         "amplitude": of(amplitude),
+        "amplitude_change": settled.and_then(|settled| settled.amplitude_change),
         "period": period,
         "stick_fraction": of(|settled| settled.stick_fraction),
         "horizon": last,
@@ -196,8 +197,10 @@ fn summary_keys(scales: &Scales, trajectory: &Trajectory) -> Map<String, Value> 
 fn settled_table(scales: &Scales, trajectory: &Trajectory, settled: &SettledMotion) -> String {
     let last = last_time(trajectory);
     let in_mm = |label: &str, value: f64| row(label, &format!("{value:.6}"), &length(scales.metres(value)));
+    let changes = settled.amplitude_change;
     let mut text = format!(
-        "Settled motion, over the last quarter of {last:.1} units of scaled time ({})\n\n",
+        "{}, over the last quarter of {last:.1} units of scaled time ({})\n\n",
+        if changes.is_none() { "Settled motion" } else { "Motion that has not settled" },
         duration(scales.seconds(last))
     );
     text += &row("", "scaled", "SI");
@@ -215,7 +218,15 @@ fn settled_table(scales: &Scales, trajectory: &Trajectory, settled: &SettledMoti
         }
     };
     let (low, high) = contact_forces(trajectory);
-    text + &row("contact force", "", &format!("{} kN", range(1e-3 * low, 1e-3 * high)))
+    text += &row("contact force", "", &format!("{} kN", range(1e-3 * low, 1e-3 * high)));
+    if let Some(change) = changes {
+        text += &format!(
+            "\nIts amplitude still {} by {} % in this time; a longer --horizon shows what it settles to.\n",
+            if change > 0.0 { "grows" } else { "shrinks" },
+            significant(100.0 * change.abs())
+        );
+    }
+    text
 }
 
 /// The columns of a time series: scaled, then the same in SI.

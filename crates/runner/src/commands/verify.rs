@@ -11,13 +11,13 @@ use crate::cli::VerifyArguments;
 use crate::evaluate::maps::Maps;
 use crate::evaluate::parts::Parts;
 use crate::failure::{Advice, Failure};
-use crate::files::folder::Folder;
+use crate::files::folder::{Folder, SMALL_FILE};
 use crate::job::{Job, MapUse};
 use crate::messages::{Code, Place};
 use crate::output::{counted, quoted, result, warn_of};
 use crate::store::digests::{DIGESTS, Digests, Fit, Known, digest_of_file};
 use crate::store::directory::RunDirectory;
-use crate::store::file_state::FileState;
+use crate::store::file_state::{FileState, state_of};
 use crate::store::layout::{AUDITS, JOB, LIMITS, MAPS, RECORD, SEARCHES, SHARDS, SURFACE, WITH_DIGESTS};
 use crate::store::lock::Access;
 use crate::store::map_pieces;
@@ -33,9 +33,9 @@ pub fn verify(arguments: &VerifyArguments) -> Result<(), Failure> {
         Err(failure) if failure.is_of_creating() => (RunDirectory::open_any(&arguments.run, Access::Reading)?, false),
         opened => (opened?, true),
     };
-    let mut check = Check { directory: &directory, can_repair, findings: Vec::new() };
+    let mut check = Check { directory: &directory, can_repair, findings: Vec::new(), refused: None };
     let advice = check.all()?;
-    let findings = check.findings;
+    let Check { findings, refused, .. } = check;
     let worst = findings.iter().map(|finding| finding.state).max().unwrap_or(State::Sound);
     let run = arguments.run.display();
     result(&if arguments.json {
@@ -53,7 +53,7 @@ pub fn verify(arguments: &VerifyArguments) -> Result<(), Failure> {
     let broken: Vec<&str> =
         findings.iter().filter(|finding| finding.state == State::Broken).map(|finding| &*finding.file).collect();
     if broken.is_empty() {
-        return Ok(());
+        return refused.map_or(Ok(()), Err);
     }
     let text = format!("{run}: damaged: {}", broken.join(", "));
     Err(Failure::InputOutput(text).coded(Code::Damaged).at(Place::file(&arguments.run)).with_advice(&advice))
@@ -93,6 +93,8 @@ struct Check<'a> {
     directory: &'a RunDirectory,
     can_repair: bool,
     findings: Vec<Finding>,
+    /// Why a job that is as it was written is refused, so that not all could be checked.
+    refused: Option<Failure>,
 }
 
 impl Check<'_> {
@@ -130,14 +132,15 @@ impl Check<'_> {
         }
         let run = quoted(directory.path());
         let Some(job) = self.job()? else {
+            if self.refused.is_some() {
+                self.all_pieces()?;
+                self.results_without_job()?;
+                self.record();
+            }
             let again = format!("submit the job again to this directory with `--out {run}`; finished pieces are kept");
             return Ok(Advice::action(&again));
         };
-        self.pieces(SHARDS, directory.shards());
-        let folders = [(MAPS, directory.maps()?), (AUDITS, directory.audits()?), (SEARCHES, directory.searches()?)];
-        for (name, folder) in folders {
-            folder.iter().for_each(|folder| self.pieces(name, folder));
-        }
+        self.all_pieces()?;
         self.surface(&job)?;
         self.lost(&job)?;
         self.limits(&job)?;
@@ -148,10 +151,16 @@ impl Check<'_> {
         if self.can_repair {
             self.write_digests()?;
         }
-        Ok(if self.can_repair {
-            Advice::command("compute what is lost again with", &format!("stickslip resume {run}"))
-        } else {
-            Advice::action("nothing can be written in this directory; verify a copy of it")
+        let lacks_tables = self.findings.iter().any(|finding| finding.file == JOB && finding.state == State::Broken);
+        Ok(match self.can_repair {
+            true if lacks_tables => {
+                let job = quoted(&directory.path().join(JOB));
+                Advice::action(&format!(
+                    "for its tables, remove {job} and submit the job again with `--out {run}`; finished pieces are kept"
+                ))
+            }
+            true => Advice::command("compute what is lost again with", &format!("stickslip resume {run}")),
+            false => Advice::action("nothing can be written in this directory; verify a copy of it"),
         })
     }
 
@@ -169,18 +178,26 @@ impl Check<'_> {
 
     /// The frozen job, written again from the surface if it is damaged or lost.
     fn job(&mut self) -> Result<Option<Job>, Failure> {
-        let why = match self.directory.job_source() {
+        let directory = self.directory;
+        let why = match directory.job_source() {
             Ok(Some(source)) => match source.job() {
                 Ok(job) => {
                     self.find(JOB, State::Sound, "sound");
                     return Ok(Some(job));
                 }
-                Err(_) => "damaged",
+                Err(refused) => {
+                    self.refused = directory.refused_as_written(&refused);
+                    if self.refused.is_some() {
+                        self.find(JOB, State::Sound, "sound, but refused; results are not compared with pieces");
+                        return Ok(None);
+                    }
+                    "damaged"
+                }
             },
             Ok(None) => "lost",
             Err(_) => "damaged",
         };
-        let Some((source, job)) = self.directory.job_of_surface() else {
+        let Some((source, job)) = directory.job_of_surface() else {
             self.find(
                 JOB,
                 State::Broken,
@@ -188,12 +205,49 @@ impl Check<'_> {
             );
             return Ok(None);
         };
+        let old = directory.root().read_if_there(JOB, SMALL_FILE).ok().flatten();
+        let old = old.map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
+        // What is lost as a whole may have had them.
+        let lacks = |name: &&str| !has_table(&source.text, name) && old.as_ref().is_none_or(|old| has_table(old, name));
+        let lacking: Vec<String> =
+            ["limit", "target"].into_iter().filter(lacks).map(|name| format!("[{name}]")).collect();
+        let has_lost = old.is_some() && !lacking.is_empty();
         if self.can_repair {
-            self.directory.publish(JOB, source.text.as_bytes())?;
+            if has_lost {
+                directory.set_aside(directory.root(), JOB.as_ref(), "its tables may still be read in it");
+            }
+            directory.publish(JOB, source.text.as_bytes())?;
         }
+        let but = if lacking.is_empty() { String::new() } else { format!(", but for {}", lacking.join(" and ")) };
         let again = if self.can_repair { ", and it is written again" } else { "" };
-        self.find(JOB, self.repaired(), format!("{why}; the surface holds what it was{again}"));
+        let state = if has_lost { State::Broken } else { self.repaired() };
+        self.find(JOB, state, format!("{why}; the surface holds what it was{but}{again}"));
         Ok(Some(job))
+    }
+
+    /// The pieces in all folders.
+    fn all_pieces(&mut self) -> Result<(), Failure> {
+        let directory = self.directory;
+        self.pieces(SHARDS, directory.shards());
+        let folders = [(MAPS, directory.maps()?), (AUDITS, directory.audits()?), (SEARCHES, directory.searches()?)];
+        for (name, folder) in folders {
+            folder.iter().for_each(|folder| self.pieces(name, folder));
+        }
+        Ok(())
+    }
+
+    /// The results of a job that is refused: whether they are as they were written.
+    fn results_without_job(&mut self) -> Result<(), Failure> {
+        for name in [SURFACE, LIMITS] {
+            match state_of(self.directory.root(), name, &[])? {
+                FileState::Absent => {}
+                FileState::Damaged(why) => self.find(name, State::Broken, format!("damaged ({why})")),
+                FileState::Sound | FileState::OfAnotherJob | FileState::OfAnotherVersion => {
+                    self.find(name, State::Sound, "as it was written");
+                }
+            }
+        }
+        Ok(())
     }
 
     /// The pieces in a folder: each must have the content that its name says.
@@ -354,4 +408,12 @@ impl Check<'_> {
         }
         self.directory.publish_digests(&digests)
     }
+}
+
+/// Whether a line of a job, which may be damaged, begins this table or one of its keys.
+fn has_table(job: &str, name: &str) -> bool {
+    job.lines().any(|line| {
+        let rest = line.trim_start_matches(['[', ' ', '\t']).strip_prefix(name);
+        rest.is_some_and(|rest| rest.starts_with([']', '.', '=', ' ']))
+    })
 }

@@ -78,9 +78,10 @@ fn text(words: &Text) -> String {
     )
 }
 
-/// Text for SVG and HTML.
+/// Text for SVG and HTML. The codes of colours that a terminal takes are no XML.
 pub fn escaped(text: &str) -> String {
-    printable(text).replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+    let text = printable(text).replace('\x1b', "\\u001b");
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 /// Closed polygons as one path, which may be long.
@@ -116,5 +117,15 @@ impl Display for Hundredths {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         // The sum makes -0 a 0.
         write!(f, "{}", (self.0 * 100.0).round() / 100.0 + 0.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::escaped;
+
+    #[test]
+    fn text_is_xml_whatever_characters_it_has() {
+        assert_eq!(escaped("\x1b[1mP\u{ffff} < 1\u{fffe}\u{1}\t"), "\\u001b[1mP\\uffff &lt; 1\\ufffe\\u0001\t");
     }
 }

@@ -8,7 +8,8 @@ use crate::messages::{Code, Place};
 use crate::output::quoted;
 use crate::store::digests::{Fit, Known, digest_of_bytes, digest_of_file};
 use crate::store::directory::{JOB_HASH_KEY, JOB_KEY, RunDirectory};
-use crate::store::layout::{JOB, SURFACE};
+use crate::store::file_state::{FileState, state_of};
+use crate::store::layout::{JOB, LIMITS, SURFACE};
 
 impl RunDirectory {
     /// The frozen job, if there is one.
@@ -55,6 +56,9 @@ impl RunDirectory {
     pub fn job(&self) -> Result<Job, Failure> {
         match self.job_source()? {
             Some(source) => source.job().map_err(|refused| {
+                if let Some(as_written) = self.refused_as_written(&refused) {
+                    return as_written;
+                }
                 let message = refused.message();
                 let (how, remedy) = self.how_to_write_job();
                 let text = format!("{}\nIf this file of the run was damaged or edited: {how}", message.text);
@@ -64,7 +68,25 @@ impl RunDirectory {
         }
     }
 
-    /// The job in the footer of the surface, if that is as it was written and all pieces belong to it.
+    /// That the frozen job is refused although it is as it was written, as where files that it names are gone; `None` if it
+    /// may not be as it was written.
+    pub fn refused_as_written(&self, refused: &Failure) -> Option<Failure> {
+        let bytes = self.root().read_if_there(JOB, SMALL_FILE).ok()??;
+        if Known::read(self.root()).ok()?.fit(JOB, &digest_of_bytes(&bytes)) != Fit::Fits {
+            return None;
+        }
+        let (message, path) = (refused.message(), self.path().join(JOB));
+        let remedy = format!("--out {}", quoted(self.path()));
+        let text = format!(
+            "{}\n{} is as it was written. Bring back the files that it names, or submit the job again with `{remedy}` and the places where they are now",
+            message.text,
+            path.display()
+        );
+        Some(Failure::Job(text).coded(message.code).at(message.place.unwrap_or_default()).remedied(remedy))
+    }
+
+    /// The job in the footer of the surface, if that is as it was written and all pieces belong to it; with the table
+    /// `[limit]` of the limits that were found of it.
     pub fn job_of_surface(&self) -> Option<(JobSource, Job)> {
         let digest = digest_of_file(self.root().open_file(SURFACE).ok()?).ok()?;
         if Known::read(self.root()).ok()?.fit(SURFACE, &digest) == Fit::Differs {
@@ -76,7 +98,24 @@ impl RunDirectory {
         let job = source.job().ok()?;
         let is_whole = text_of_key(&surface, JOB_HASH_KEY)? == job.hash();
         // A run that was extended has the surface of the job before until it is finished, and pieces beyond that job.
-        (is_whole && self.tally(&job).is_ok()).then_some((source, job))
+        if !is_whole || self.tally(&job).is_err() {
+            return None;
+        }
+        let limited = self.table_of_limits(&job).and_then(|table| {
+            let limited = JobSource { text: format!("{}{table}", source.text), path: self.surface() };
+            limited.job().ok().map(|job| (limited, job))
+        });
+        Some(limited.unwrap_or((source, job)))
+    }
+
+    /// The table `[limit]` that asked for the limits of a job, if they are as they were written.
+    fn table_of_limits(&self, job: &Job) -> Option<String> {
+        if state_of(self.root(), LIMITS, &[(JOB_HASH_KEY, job.hash())]).ok()? != FileState::Sound {
+            return None;
+        }
+        let file = self.root().open_file(LIMITS).ok()?;
+        let of = toml::Value::from(text_of_key(&file, "stickslip:of")?);
+        Some(format!("\n[limit]\nof = {of}\nprobability = [{}]\n", text_of_key(&file, "stickslip:targets")?))
     }
 
     /// Whether the frozen job is `refused` as damaged, and this one can take its place as where it is lost: all pieces belong
@@ -85,9 +124,14 @@ impl RunDirectory {
         if !matches!(refused.message().code, Code::Damaged | Code::JobSpec) {
             return false;
         }
-        let surface = self.root().open_file(SURFACE).ok().and_then(|file| text_of_key(&file, JOB_KEY));
-        let of_surface = surface.and_then(|text| JobSource { path: self.surface(), text }.job().ok());
-        of_surface.is_none_or(|other| other.experiment_hash() == job.experiment_hash()) && self.tally(job).is_ok()
+        let surface = self.root().open_file(SURFACE).ok();
+        let footer = surface.and_then(|file| Some((text_of_key(&file, JOB_KEY)?, text_of_key(&file, JOB_HASH_KEY)?)));
+        let fits = |(text, hash): (String, String)| match (JobSource { path: self.surface(), text }).job() {
+            Ok(other) => other.experiment_hash() == job.experiment_hash(),
+            // It names files without their folders.
+            Err(_) => hash == job.hash(),
+        };
+        footer.is_none_or(fits) && self.tally(job).is_ok()
     }
 
     /// Freezes the job, in place of the one before if there is one. This process must work alone.
