@@ -130,6 +130,21 @@ fn limit_cycles_have_the_tabulated_values() {
 }
 
 #[test]
+fn a_motion_that_still_grows_is_not_called_settled() {
+    // Just below the critical speed 15.560 rad/s; the limit cycle there has an amplitude of 0.0064 h.
+    let place = Place::new();
+    for (start, has_settled) in [("near-equilibrium", false), ("rest", true)] {
+        let words = format!("trajectory --disc rigid --set operating_point.rotating_speed=15.5598 --start {start}");
+        let shown = place.run(&words).done().stdout;
+        assert_eq!(shown.contains("\nSettled motion, over the last quarter"), has_settled, "{shown}");
+        assert_eq!(shown.contains("Its amplitude still grows by"), !has_settled, "{shown}");
+        let summary = json(&place.run(&format!("{words} --json")).done().stdout);
+        assert_eq!(summary["amplitude_change"].is_null(), has_settled, "{summary}");
+        assert_eq!((summary["amplitude"].as_f64().unwrap() - 0.0064).abs() < 1e-4, has_settled, "{summary}");
+    }
+}
+
+#[test]
 fn a_trajectory_file_holds_what_the_summary_says() {
     let place = Place::new();
     let summary =
@@ -316,11 +331,11 @@ fn unstable_samples_are_counted_by_what_feeds_them_and_flutter_is_not_mapped() {
 #[test]
 fn samples_whose_motion_diverges_are_failed_counted_and_shown() {
     let place = Place::new();
-    // The calliper is so soft that the pad turns over far from the expected values.
+    // The calliper is so soft that the pad turns beyond small angles, or over, far from the expected values.
     let spec = job("failing", 1, 400, "disc = \"flexible\"\ndisc_modes = 5")
         .replace("{ from = 0.03, to = 0.30, points = 1 }", "0.3")
         .replace("{ from = 0.27, to = 0.50, points = 1 }", "1.0")
-        .replace("[axes]", "[model.stiffness]\ncalliper_angular = 40.0\n\n[axes]")
+        .replace("[axes]", "[model.stiffness]\ncalliper_angular = 800.0\n\n[axes]")
         .replace("relative_std = 0.2", "relative_std = 1.0");
     place.write("job.toml", &spec);
     let outcome = place.run("submit job.toml").done();

@@ -9,6 +9,7 @@ use crate::models::pad_on_disc::flexible_disc::linear_stability::LinearStability
 use crate::models::pad_on_disc::motion::event_log::EventLog;
 use crate::models::pad_on_disc::motion::integrator::Observer;
 use crate::models::pad_on_disc::motion::start::Start;
+use crate::models::pad_on_disc::pad::contact_state::ContactState;
 use crate::models::pad_on_disc::rigid_disc::pad_on_disc::RandomInputs;
 use crate::models::pad_on_disc::trajectory::recording::Trajectory;
 use crate::models::pad_on_disc::trajectory::settled::SettledMotion;
@@ -51,6 +52,9 @@ impl Observer for MonitoredLog {
     fn slips(&mut self, time: f64) {
         self.report(|observer| observer.slips(time));
     }
+    fn overtakes(&mut self, x: f64, then: ContactState) {
+        self.report(|observer| observer.overtakes(x, then));
+    }
 }
 
 impl FiniteDifferenceBrake {
@@ -92,6 +96,9 @@ impl FiniteDifferenceBrake {
         let rises = inputs.static_friction < self.pad().kinetic_friction;
         let verdict = monitor.verdict().or(rises.then_some(Verdict::Stable));
         let mut monitored = MonitoredLog { log: EventLog::default(), monitor, verdict };
+        if simulation.pad.contact == ContactState::Stick {
+            monitored.log.holds(0.0);
+        }
 
         let every = (self.modal.step / self.step_length).round().max(1.0) as u64;
         let interval = every as f64 * self.step_length;

@@ -142,7 +142,8 @@ fn report<E: Equations>(
         observer.grazes();
     }
     if part.ending == Ending::Stuck {
-        observer.holds(begin + part.time);
+        let has_come = u != equations.disc_speed();
+        observer.holds(begin + if has_come { part.time } else { time_away(part) });
     }
     if part.is_caught {
         observer.is_caught(next_x);
@@ -155,6 +156,14 @@ fn report<E: Equations>(
         Ending::Stuck => observer.sticks(begin + part.time, next_x),
         Ending::Overtaken => observer.overtakes(next_x, part.end.contact),
     }
+}
+
+/// How long a pad was away from the disc that left it at the beginning of a substep and sticks to it at the end: the
+/// relative speed is back at zero after `t` in `a0 t + (a1 - a0) t^2 / (2 T) = 0`.
+fn time_away<S>(part: &Substep<S>) -> f64 {
+    let (first, last) = part.acceleration;
+    let share = 2.0 * first / (first - last);
+    if share > 0.0 { share.min(1.0) * part.time } else { 0.0 }
 }
 
 #[cfg(test)]

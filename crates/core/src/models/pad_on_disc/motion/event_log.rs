@@ -1,8 +1,9 @@
 //! The events of a motion, kept with their times.
 
 use crate::models::pad_on_disc::motion::integrator::Observer;
+use crate::models::pad_on_disc::pad::contact_state::ContactState;
 
-/// Turning points, sticks and releases of a motion.
+/// Turning points, sticks and releases of a motion. Of one that starts in stick it has to be told that the disc holds it.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct EventLog {
     /// Times and displacements of turning points.
@@ -14,6 +15,8 @@ pub(crate) struct EventLog {
     /// In order, all times at which they begin to stick, also where they have not left each other since the release, and all
     /// at which they cease to; with whether they stick from then on.
     changes: Vec<(f64, bool)>,
+    /// Whether the pad has passed the disc since the disc last held it.
+    has_passed: bool,
 }
 
 impl Observer for EventLog {
@@ -21,10 +24,19 @@ impl Observer for EventLog {
         self.turns.push((time, x));
     }
     fn sticks(&mut self, time: f64, _: f64) {
-        self.sticks.push(time);
+        if self.sticks.last().is_none_or(|last| *last < time) {
+            self.sticks.push(time);
+        }
     }
     fn holds(&mut self, time: f64) {
         self.changes.push((time, true));
+        // A pad that passes the disc and is held by it at once is not seen to stick.
+        if std::mem::take(&mut self.has_passed) {
+            self.sticks.push(time);
+        }
+    }
+    fn overtakes(&mut self, _: f64, _: ContactState) {
+        self.has_passed = true;
     }
     fn slips(&mut self, time: f64) {
         self.slips.push(time);
@@ -36,10 +48,7 @@ impl EventLog {
     /// Time in stick between two moments.
     pub fn time_in_stick(&self, from: f64, to: f64) -> f64 {
         let share = |begin: f64, end: f64| (end.min(to) - begin.max(from)).max(0.0);
-        // A motion that starts in stick is released before it is seen to stick.
-        let starts_stuck = self.changes.first().is_some_and(|(_, sticks)| !sticks);
-        let mut begun = starts_stuck.then_some(0.0);
-        let mut sum = 0.0;
+        let (mut begun, mut sum) = (None, 0.0);
         for &(time, sticks) in &self.changes {
             if sticks {
                 begun.get_or_insert(time);
@@ -77,6 +86,7 @@ mod tests {
     #[test]
     fn a_release_that_leads_nowhere_shifts_no_other() {
         let mut log = EventLog::default();
+        log.holds(0.0);
         log.slips(1.0);
         for (stick, held) in [(3.0, None), (6.0, Some(6.5)), (9.0, None)] {
             log.sticks(stick, 0.0);
@@ -103,16 +113,21 @@ mod tests {
         assert_eq!(log.time_in_stick(0.0, 10.0), 2.0);
     }
 
-    /// A pad that passes the disc and is held by it at once begins to stick without a sign of it in `sticks`.
+    /// A pad that passes the disc may be held by it at once, or come back first: only then is it reported to stick.
     #[test]
     fn stick_after_overtaking_counts() {
         let mut log = EventLog::default();
         for cycle in 0..5 {
             let begin = 10.0 * f64::from(cycle);
+            log.overtakes(0.0, ContactState::Overtaking);
             log.holds(begin + 2.0);
+            if cycle % 2 == 1 {
+                log.sticks(begin + 2.0, 0.0);
+            }
             log.slips(begin + 4.0);
         }
         assert_eq!(log.time_in_stick(0.0, 50.0), 10.0);
+        assert_eq!(log.releases(), [4.0, 14.0, 24.0, 34.0, 44.0]);
         log.holds(52.0);
         assert_eq!(log.time_in_stick(50.0, 60.0), 8.0);
     }

@@ -9,6 +9,12 @@ const SETTLED_SHARE: f64 = 0.25;
 /// Amplitudes below this share of the displacement of the pad are no oscillation any more.
 const STILL: f64 = 1e-6;
 
+/// Parts of that time whose amplitudes are compared.
+const PARTS: usize = 4;
+
+/// An amplitude that changes by no more than this share from the first to the last of them has settled.
+const SETTLED_CHANGE: f64 = 1e-4;
+
 /// What a motion settled to, over the last quarter of its trajectory.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SettledMotion {
@@ -22,6 +28,9 @@ pub struct SettledMotion {
     pub period: Option<f64>,
     /// Share of the time spent in stick.
     pub stick_fraction: f64,
+    /// The share by which the amplitude still rises, or falls if negative, from the first to the last of four parts of
+    /// this time; `None` where it does neither from part to part, or a part is shorter than the period.
+    pub amplitude_change: Option<f64>,
 }
 
 impl SettledMotion {
@@ -32,11 +41,12 @@ impl SettledMotion {
         }
         let to = steps as f64 * h;
         let from = (1.0 - SETTLED_SHARE) * to;
-        let inside: Vec<f64> = moments.iter().filter(|m| m.time >= from).map(|m| m.tangential.0).collect();
-        let sampled = inside.iter().copied();
-        let turned = log.turns.iter().filter(|(time, _)| *time >= from && *time <= to).map(|turn| turn.1);
-        let largest = sampled.clone().chain(turned.clone()).fold(f64::NEG_INFINITY, f64::max);
-        let smallest = sampled.clone().chain(turned).fold(f64::INFINITY, f64::min);
+        let extremes = |from: f64, to: f64| {
+            let sampled = moments.iter().map(|moment| (moment.time, moment.tangential.0));
+            let inside = sampled.chain(log.turns.iter().copied()).filter(|(time, _)| *time >= from && *time <= to);
+            inside.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), (_, x)| (least.min(x), most.max(x)))
+        };
+        let (smallest, largest) = extremes(from, f64::INFINITY);
         let oscillates = largest - smallest > STILL * largest.abs();
         let between = |times: &[f64], every: usize| {
             let times: Vec<f64> = times.iter().copied().filter(|time| *time >= from && *time <= to).collect();
@@ -49,9 +59,29 @@ impl SettledMotion {
         let window = period.map_or(to - from, |period| ((to - from) / period).floor().max(1.0) * period);
         let start = to - window;
         let stick_fraction = log.time_in_stick(start, to) / window;
-        let tangential_mean = mean(moments, start, to);
-        Some(Self { tangential_max: largest, tangential_min: smallest, tangential_mean, period, stick_fraction })
+        let part = (to - from) / PARTS as f64;
+        let amplitudes: [f64; PARTS] = std::array::from_fn(|number| {
+            let begin = from + number as f64 * part;
+            let (least, most) = extremes(begin, begin + part);
+            most - least
+        });
+        let amplitude_change = period.filter(|period| *period <= part).and_then(|_| steady_change(&amplitudes));
+        Some(Self {
+            tangential_max: largest,
+            tangential_min: smallest,
+            tangential_mean: mean(moments, start, to),
+            period,
+            stick_fraction,
+            amplitude_change,
+        })
     }
+}
+
+/// The share by which the last of these amplitudes exceeds the first, if they rise or fall all along.
+fn steady_change(amplitudes: &[f64; PARTS]) -> Option<f64> {
+    let change = amplitudes[PARTS - 1] / amplitudes[0] - 1.0;
+    let is_steady = amplitudes.windows(2).all(|pair| (pair[1] - pair[0]) * change > 0.0);
+    (is_steady && change.abs() > SETTLED_CHANGE).then_some(change)
 }
 
 /// The mean of x over a time, by the trapezoidal rule; intervals that reach out of it count by their share in it.
