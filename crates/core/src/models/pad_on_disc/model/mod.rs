@@ -1,5 +1,6 @@
 //! The pad on the disc as a [`Model`]: its quantities, and the configurations that decide samples.
 
+use crate::friction::law::LawKind;
 use crate::model::behaviour::Behaviours;
 use crate::model::decision::Source;
 use crate::model::quantity::Quantity;
@@ -57,7 +58,10 @@ impl Model for PadModel {
     }
 
     fn outside_meaning(&self) -> &'static str {
-        "preload at or below 0, or f_s < f_c"
+        match self.parameters().friction.law {
+            LawKind::Table(_) => "preload at or below 0, or a friction curve below 0 at some speed",
+            LawKind::Stribeck | LawKind::Rational => "preload at or below 0, or f_s < f_c",
+        }
     }
 
     fn verdict_names(&self) -> [&'static str; 2] {
