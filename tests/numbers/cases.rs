@@ -102,24 +102,6 @@ fn the_recorded_growth_rate_is_the_largest_of_all_motions() {
     assert!((table.column("frequency_mean")[last] - 1769.0).abs() < 1.0);
 }
 
-/// A measured curve that is drawn more than 0.28 / 0.08 = 3.5 standard deviations down is below zero at 5 m/s; of a
-/// normal distribution with a standard deviation of 3 that is 12.2 %.
-#[test]
-fn curves_that_are_drawn_below_zero_are_outside_the_model() {
-    let place = Place::new();
-    let surface = surface(&place, "negative-friction");
-    place.run("samples negative-friction --cell 0 --out samples.parquet").done();
-    let samples = Table::read(&place.path("samples.parquet"));
-    let verdicts = crate::common::texts(&place.path("samples.parquet"), "verdict");
-    let (bands, outside) = (samples.column("friction.band"), samples.column("outside_physics"));
-    for (sample, &band) in bands.iter().enumerate() {
-        assert_eq!(outside[sample] == 1.0, band < -3.5, "{band}");
-        assert!(band >= -3.5 || verdicts[sample].as_deref() == Some("stable"), "{band}");
-    }
-    let count = surface.column("n_outside_physics")[0];
-    assert!((count / 400.0 - 0.122).abs() < 0.065 && count == outside.iter().sum::<f64>(), "{count}");
-}
-
 #[test]
 fn messages_say_what_is_wrong() {
     let place = Place::new();

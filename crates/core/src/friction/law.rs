@@ -148,14 +148,10 @@ impl FrictionLaw {
     }
 
     /// The static friction coefficient below which a sample is outside physics: f_c, or what leaves a measured curve
-    /// without friction at some speed. Above it the other laws are nowhere below zero, as neither f_c nor the viscous
-    /// term is.
+    /// without friction at rest.
     #[must_use]
     pub fn least_static_coefficient(&self) -> f64 {
-        match self.shape {
-            Shape::Table(curve) => self.kinetic_coefficient - self.additional * curve.decisive_ratio(self.additional),
-            _ => self.kinetic_coefficient,
-        }
+        self.kinetic_coefficient - self.additional_at_rest()
     }
 
     /// `f_s - f_c`.

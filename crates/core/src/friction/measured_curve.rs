@@ -22,12 +22,6 @@ pub const LEAST_GAP: f64 = 1e-4;
 const PLACES: usize = 1024;
 const PLACE: usize = PLACES - 1;
 
-/// The ratio of S to T where T vanishes and S does not: larger than any other, and finite times any shift.
-const LARGEST_RATIO: f64 = 1e300;
-
-/// Rounds of the search for an extreme ratio at most; some five are usual.
-const MOST_ROUNDS: usize = 100;
-
 /// Why a measured curve was refused. Rows are counted from 0.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
@@ -124,8 +118,6 @@ pub struct MeasuredCurve {
     /// S.
     deviation: Cubics,
     index: SpeedIndex,
-    /// See [`MeasuredCurve::decisive_ratio`]; for shifts down, and for others.
-    ratios: [f64; 2],
 }
 
 impl MeasuredCurve {
@@ -142,70 +134,14 @@ impl MeasuredCurve {
         }
         let shape: Vec<f64> = coefficients.iter().map(|value| value / at_rest).collect();
         let zero = vec![0.0; rows];
-        let mut curve = Self {
+        Ok(Self {
             speeds: speeds.to_vec(),
             coefficients: coefficients.to_vec(),
             deviations: deviations.map(<[f64]>::to_vec),
             shape: Cubics::new(speeds, &shape),
             deviation: Cubics::new(speeds, deviations.unwrap_or(&zero)),
             index: SpeedIndex::new(speeds),
-            ratios: [0.0; 2],
-        };
-        curve.ratios = [curve.extreme_ratio(1.0), curve.extreme_ratio(-1.0)];
-        Ok(curve)
-    }
-
-    /// The largest `S T(0) / T` over all speeds, or the smallest where `sign` is -1.
-    ///
-    /// Dinkelbach's method: where `sign S` exceeds the ratio found so far times `T / T(0)` most, the ratio is larger.
-    /// What it exceeds it by is a cubic between two rows.
-    fn extreme_ratio(&self, sign: f64) -> f64 {
-        let mut ratio = sign * self.values(0.0).1;
-        for _ in 0..MOST_ROUNDS {
-            let excess = |speed: f64| {
-                let (shape, deviation) = self.values(speed);
-                sign * deviation - ratio * shape
-            };
-            let candidates = self.pieces(-ratio, sign).flat_map(|piece| {
-                let turning = piece.speeds_of_slope(0.0);
-                turning.into_iter().chain([piece.from, piece.to])
-            });
-            let best = candidates.fold(0.0, |best, speed| if excess(speed) > excess(best) { speed } else { best });
-            if excess(best) <= 0.0 {
-                break;
-            }
-            let (shape, deviation) = self.values(best);
-            let larger = if shape > 0.0 { sign * deviation / shape } else { LARGEST_RATIO };
-            if larger <= ratio {
-                break;
-            }
-            ratio = larger;
-        }
-        sign * ratio.min(LARGEST_RATIO)
-    }
-
-    /// What static friction needs for each unit of a shift down so that the curve is nowhere below zero, and for each
-    /// unit of a shift up what it may lack: the largest and the smallest `S T(0) / T` over all speeds.
-    #[must_use]
-    pub(crate) fn decisive_ratio(&self, shift: f64) -> f64 {
-        self.ratios[usize::from(shift >= 0.0)]
-    }
-
-    /// The pieces of `by_shape T / T(0) + by_deviation S`, from rest to the last row. Beyond it the curve is constant.
-    pub(crate) fn pieces(&self, by_shape: f64, by_deviation: f64) -> impl Iterator<Item = Piece> + Clone {
-        let Self { speeds, shape, deviation, .. } = self;
-        let piece = move |i: usize| Piece {
-            from: speeds[i],
-            to: speeds[i + 1],
-            coefficients: [0, 1, 2, 3]
-                .map(|power| by_shape * shape.coefficients[power][i] + by_deviation * deviation.coefficients[power][i]),
-        };
-        let constant = (speeds[0] > 0.0).then(|| Piece {
-            from: 0.0,
-            to: speeds[0],
-            coefficients: [piece(0).coefficients[0], 0.0, 0.0, 0.0],
-        });
-        constant.into_iter().chain((0..speeds.len() - 1).map(piece))
+        })
     }
 
     /// Speeds of the rows, m/s.
@@ -542,7 +478,19 @@ impl SharedCurve {
 impl SharedCurve {
     /// The pieces of `by_shape T / T(0) + by_deviation S`, from rest to the last row. Beyond it the curve is constant.
     pub(crate) fn pieces(self, by_shape: f64, by_deviation: f64) -> impl Iterator<Item = Piece> + Clone {
-        self.0.pieces(by_shape, by_deviation)
+        let MeasuredCurve { speeds, shape, deviation, .. } = self.0;
+        let piece = move |i: usize| Piece {
+            from: speeds[i],
+            to: speeds[i + 1],
+            coefficients: [0, 1, 2, 3]
+                .map(|power| by_shape * shape.coefficients[power][i] + by_deviation * deviation.coefficients[power][i]),
+        };
+        let constant = (speeds[0] > 0.0).then(|| Piece {
+            from: 0.0,
+            to: speeds[0],
+            coefficients: [piece(0).coefficients[0], 0.0, 0.0, 0.0],
+        });
+        constant.into_iter().chain((0..speeds.len() - 1).map(piece))
     }
 }
 

@@ -412,8 +412,11 @@ impl Check<'_> {
 
 /// Whether a line of a job, which may be damaged, begins this table or one of its keys.
 fn has_table(job: &str, name: &str) -> bool {
-    job.lines().any(|line| {
-        let rest = line.trim_start_matches(['[', ' ', '\t']).strip_prefix(name);
-        rest.is_some_and(|rest| rest.starts_with([']', '.', '=', ' ']))
-    })
+    let has_header = || {
+        job.lines().any(|line| {
+            let rest = line.strip_prefix('[').and_then(|line| line.strip_prefix(name));
+            rest.is_some_and(|rest| rest.starts_with([']', '.']))
+        })
+    };
+    job.parse::<toml_edit::DocumentMut>().map_or_else(|_| has_header(), |job| job.contains_key(name))
 }

@@ -22,6 +22,9 @@ const MOST_COLUMNS: usize = 4096;
 /// than a gigabyte in memory.
 const MOST_VALUES: u64 = 1 << 25;
 
+/// Rows that are read at a time: one text may stand in all of them.
+const ROWS: usize = 256;
+
 /// The values of columns, in parts of some rows each.
 pub type Parts<'a> = &'a mut dyn Iterator<Item = Result<RecordBatch, String>>;
 
@@ -42,7 +45,9 @@ pub fn read<T>(
         let metadata = ArrowReaderMetadata::load(&file, options).map_err(|error| error.to_string())?;
         let (rows, places) = check(metadata.metadata(), rows, wanted)?;
         let mask = ProjectionMask::leaves(metadata.parquet_schema(), places);
-        let reader = ParquetRecordBatchReaderBuilder::new_with_metadata(file, metadata).with_projection(mask);
+        let reader = ParquetRecordBatchReaderBuilder::new_with_metadata(file, metadata)
+            .with_projection(mask)
+            .with_batch_size(ROWS);
         let reader = reader.build().map_err(|error| error.to_string())?;
         let mut read = 0;
         let schema = reader.schema();
@@ -145,6 +150,20 @@ mod tests {
         assert_eq!(values(&sound, Some(2999), |_| true), Err("it has 3000 rows, not 2999".to_owned()));
         assert_eq!(text_of_key(&file_of(&sound), "stickslip:key").as_deref(), Some("value"));
         assert_eq!(text_of_key(&file_of(b"no table, but long enough"), "stickslip:key"), None);
+    }
+
+    #[test]
+    fn a_text_that_stands_in_every_row_takes_little_memory() {
+        let long = table(&"x".repeat(1 << 17));
+        assert!(long.len() < 1 << 17, "{}", long.len());
+        let most = |part: RecordBatch| part.get_array_memory_size();
+        let largest = read(
+            file_of(&long),
+            None,
+            |_| true,
+            |_, parts| parts.map(|part| part.map(most)).try_fold(0, |largest, size| size.map(|size| size.max(largest))),
+        );
+        assert!(largest.is_ok_and(|largest| largest < 1 << 26));
     }
 
     #[test]

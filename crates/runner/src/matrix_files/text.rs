@@ -16,8 +16,8 @@ pub struct Lines<'a> {
     bytes: Vec<u8>,
     /// The number of the line that was read last, from 1.
     pub number: u64,
-    /// Whether that line has an end.
-    has_end: bool,
+    /// Whether that line has an end, or no number that could be cut off.
+    is_whole: bool,
 }
 
 impl<'a> Lines<'a> {
@@ -28,7 +28,7 @@ impl<'a> Lines<'a> {
     pub fn new(source: &'a mut Source) -> Result<Self, Problem> {
         source.seek(0)?;
         let reader = BufReader::with_capacity(1 << 18, &source.file);
-        Ok(Self { reader, bytes: Vec::new(), number: 0, has_end: true })
+        Ok(Self { reader, bytes: Vec::new(), number: 0, is_whole: true })
     }
 
     /// The next line without its end, and its number.
@@ -47,18 +47,18 @@ impl<'a> Lines<'a> {
             }
             _ => {}
         }
-        self.has_end = self.bytes.ends_with(b"\n");
+        self.is_whole = self.bytes.ends_with(b"\n") || !self.bytes.iter().any(u8::is_ascii_digit);
         let text = str::from_utf8(&self.bytes).map_err(|_| Problem::at(self.number, NOT_TEXT))?;
         Ok(Some((self.number, text.trim_end_matches(['\n', '\r']))))
     }
 
-    /// Refuses a last line without an end, once all are read: in formats that do not say how many lines there are, a
+    /// Refuses a last line with numbers and without an end, once all are read: in formats that do not say how many lines there are, a
     /// number that is cut off may be a number still.
     ///
     /// # Errors
     /// Such a line.
     pub fn whole(&self) -> Result<(), Problem> {
-        if self.has_end {
+        if self.is_whole {
             return Ok(());
         }
         let text = "the last line has no end: the file may be cut off; put a line break at its end if it is whole";

@@ -78,7 +78,7 @@ impl RunDirectory {
         let (message, path) = (refused.message(), self.path().join(JOB));
         let remedy = format!("--out {}", quoted(self.path()));
         let text = format!(
-            "{}\n{} is as it was written. Bring back the files that it names, or submit the job again with `{remedy}` and the places where they are now",
+            "{}\n{} is as it was written. If files that it names were moved, bring them back, or submit the job again with `{remedy}` and the places where they are now",
             message.text,
             path.display()
         );

@@ -183,29 +183,3 @@ fn the_same_curve_is_stored_once() {
     let other = MeasuredCurve::new(&[0.0, 1.0], &[0.3, 0.2], None).unwrap();
     assert_ne!(first, SharedCurve::new(other));
 }
-
-#[test]
-fn the_decisive_ratios_are_the_extremes_of_all_speeds() {
-    let ratio = |curve: &MeasuredCurve, speed: f64| {
-        let (shape, deviation) = curve.values(speed);
-        deviation / shape
-    };
-    let other = MeasuredCurve::new(&[0.2, 1.0, 4.0], &[0.4, 0.1, 0.3], Some(&[0.01, 0.02, 0.0])).unwrap();
-    for curve in [curve(), other] {
-        let last = curve.speeds()[curve.speeds().len() - 1];
-        let all = (0..=200_000).map(|i| ratio(&curve, last * f64::from(i) / 2e5));
-        let (least, most) = all.fold((f64::INFINITY, 0.0_f64), |(least, most), r| (least.min(r), most.max(r)));
-        for (shift, searched) in [(-2.0, most), (2.0, least), (0.0, least)] {
-            let found = curve.decisive_ratio(shift);
-            assert!((found - searched).abs() < 1e-8, "{shift}: {found} {searched}");
-        }
-    }
-    // A constant S over T from 0.4 to 0.2.
-    let constant = MeasuredCurve::new(&[0.0, 1.0], &[0.4, 0.2], Some(&[0.1, 0.1])).unwrap();
-    let found = [-1.0, 1.0].map(|shift| constant.decisive_ratio(shift));
-    assert!((found[0] - 0.2).abs() < 1e-15 && (found[1] - 0.1).abs() < 1e-15, "{found:?}");
-    // Any shift down takes a curve that touches zero below it.
-    let touching = MeasuredCurve::new(&[0.0, 1.0, 2.0], &[0.4, 0.0, 0.1], Some(&[0.1; 3])).unwrap();
-    assert_eq!(touching.decisive_ratio(-1.0), LARGEST_RATIO);
-    assert_eq!(MeasuredCurve::new(&[0.0, 1.0], &[0.4, 0.2], None).unwrap().decisive_ratio(-1.0), 0.0);
-}

@@ -10,7 +10,7 @@ use crate::models::pad_on_disc::motion::integrator::{Motion, Observer};
 use crate::models::pad_on_disc::motion::moment::{Moment, RecordedContact};
 use crate::models::pad_on_disc::motion::start::{Start, TangentialStart};
 use crate::models::pad_on_disc::pad::contact_state::ContactState;
-use crate::models::pad_on_disc::pad::equations::PAD;
+use crate::models::pad_on_disc::pad::equations::{LARGEST_ROTATION, PAD};
 use crate::models::pad_on_disc::rigid_disc::pad_on_disc::RandomInputs;
 use crate::numerics::fixed_point::fixed_point;
 
@@ -131,6 +131,9 @@ impl FiniteDifferenceBrake {
         let found = fixed_point(start, FOUND * rigid.normal.abs(), round)?;
         let RandomInputs { preload, static_friction } = inputs;
         let found = found.ok_or(FlexibleError::NoEquilibrium { preload, static_friction })?;
+        if found[2].abs() > LARGEST_ROTATION {
+            return Err(FlexibleError::Rotated { angle: found[2] }.into());
+        }
         Ok((pad_at(&found), found[PAD..].to_vec()))
     }
 

@@ -1,12 +1,12 @@
-//! Steady sliding found by continuation, where Newton's method from the equilibrium on a rigid disc fails.
+//! Steady sliding found by continuation, where Newton's method from the equilibrium on a rigid disc fails
+//! or ends with the pad turned far.
 //!
 //! A soft disc may have several equilibria. That of a brake is reached when it is pressed: under a small share of its
 //! preload and with the same share of its friction it is that of springs in contact, which Newton's method with shortened
 //! steps finds. From there the share `s` of both is raised to 1, and the equilibrium is followed by its arc length: each
-//! point is predicted along the tangent of the branch and corrected on
-//! the plane across it (H. B. Keller, "Numerical solution of bifurcation and nonlinear eigenvalue problems", in
-//! Applications of Bifurcation Theory, 1977). So a branch that turns back on its way, at a share that falls again for a
-//! while, is followed all the same.
+//! point is predicted along the tangent of the branch and corrected on the plane across it (H. B. Keller, "Numerical
+//! solution of bifurcation and nonlinear eigenvalue problems", in Applications of Bifurcation Theory, 1977). So a branch
+//! that turns back on its way, at a share that falls again for a while, is followed all the same.
 
 use std::f64::consts::FRAC_PI_2;
 

@@ -32,7 +32,8 @@ impl EquilibriumSearch {
     }
 
     /// The displacements of steady sliding: all accelerations vanish without any speed, as far as numbers resolve it.
-    /// A soft disc may have several; that on the branch from none to all of preload and friction is taken.
+    /// A soft disc may have several. One near that of a rigid disc, within small angles, is taken; else that on the branch
+    /// from nearly none to all of preload and friction.
     ///
     /// # Errors
     /// [`FlexibleError::NotPressed`] for a preload of zero or less, [`FlexibleError::NoEquilibrium`] if neither Newton's

@@ -83,10 +83,9 @@ struct Form {
     speed_scale: Term,
     shape: Shape,
     exponent: Term,
-    /// The factors of the additional term, and what static friction needs for each unit of their product: of products
-    /// below zero, and of others.
+    /// The factors of the additional term, and its value at rest over their product.
     additional: [Term; 2],
-    decisive_ratios: [f64; 2],
+    additional_at_rest: f64,
     /// Inner radius of the disc, inner and effective radius of the pad, outer radius of the disc, if any of them differs.
     radii: Option<[Term; 4]>,
 }
@@ -293,10 +292,7 @@ impl Form {
             shape,
             exponent,
             additional,
-            decisive_ratios: match shape {
-                Shape::Table(curve) => [-1.0, 1.0].map(|shift| curve.decisive_ratio(shift)),
-                _ => [0.0; 2],
-            },
+            additional_at_rest: if let Shape::Table(curve) = shape { curve.values(0.0).1 } else { 0.0 },
             radii: differs.then_some(radii),
         }
     }
@@ -358,11 +354,10 @@ fn decide_block(form: &Form, checks: &[Check], block: &mut Block) {
     let [first, second] = form.additional;
     if !matches!(first, Term::Shared(0.0)) {
         let (first, second) = (first.row(rows), second.row(rows));
-        let [down, up] = form.decisive_ratios;
         for l in 0..LANES {
             let factor = first[l] * second[l];
             weakening[l] -= factor * rise[l];
-            least[l] -= factor * if factor < 0.0 { down } else { up };
+            least[l] -= factor * form.additional_at_rest;
         }
     }
     let (contact, calliper) = (form.contact_normal.row(rows), form.calliper_normal.row(rows));

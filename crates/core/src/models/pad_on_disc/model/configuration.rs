@@ -34,21 +34,9 @@ pub(super) struct Varying {
     starts: Vec<(usize, StartValue)>,
     /// The start, where it is given in numbers.
     given: Option<GivenStart>,
-    /// The column that decides which samples friction leaves outside the model.
-    least: Option<(usize, Decisive)>,
-}
-
-/// The multiples of a value that are the least static friction coefficient: of values below zero, and of others; see
-/// `FrictionLaw::least_static_coefficient`.
-#[derive(Debug, Clone, Copy)]
-struct Decisive([f64; 2]);
-
-impl Decisive {
-    #[inline]
-    fn least(self, value: f64) -> f64 {
-        let [below, others] = self.0;
-        value * if value < 0.0 { below } else { others }
-    }
+    /// The column that decides whether friction rises with speed, and the multiple of it that is the least static
+    /// friction coefficient; see `FrictionLaw::least_static_coefficient`.
+    least: Option<(usize, f64)>,
 }
 
 impl Varying {
@@ -61,12 +49,11 @@ impl Varying {
                 None => of_brake.push((column, scalars[place - 2])),
             }
         }
-        let (key, factors) = match law.table() {
-            Some(curve) => ("friction.band", [-1.0, 1.0].map(|shift| -curve.decisive_ratio(shift))),
-            None => ("friction.kinetic_coefficient", [1.0; 2]),
+        let (decisive, factor) = match law.table() {
+            Some(curve) => ("friction.band", -curve.deviation(0.0)),
+            None => ("friction.kinetic_coefficient", 1.0),
         };
-        let decisive = of_brake.iter().find(|(_, scalar)| scalar.key == key);
-        let least = decisive.map(|(column, _)| (*column, Decisive(factors)));
+        let least = of_brake.iter().find(|(_, scalar)| scalar.key == decisive).map(|(column, _)| (*column, factor));
         Self { scalars: of_brake, starts, given, least }
     }
 
@@ -172,8 +159,8 @@ impl PadConfiguration {
     /// The least static friction coefficient of a sample that is not outside the model.
     fn least_static(&self, samples: &Columns<'_>) -> impl Fn(usize) -> f64 {
         let shared = self.brake.friction_law().least_static_coefficient();
-        let own = self.varying.least.map(|(column, decisive)| (samples.column(column), decisive));
-        move |sample| own.map_or(shared, |(column, decisive)| decisive.least(column[sample]))
+        let own = self.varying.least.map(|(column, factor)| (samples.column(column), factor));
+        move |sample| own.map_or(shared, |(column, factor)| factor * column[sample])
     }
 }
 
@@ -274,8 +261,8 @@ impl Configuration for PadConfiguration {
         match self.varying.least {
             // One number for all samples: the usual case, and the faster one.
             None => pairs.map(|inputs| u64::from(inputs.are_outside_physics(least))).sum(),
-            Some((column, decisive)) => {
-                let least = samples.column(column).iter().map(|value| decisive.least(*value));
+            Some((column, factor)) => {
+                let least = samples.column(column).iter().map(|value| factor * value);
                 pairs.zip(least).map(|(inputs, least)| u64::from(inputs.are_outside_physics(least))).sum()
             }
         }

@@ -1,6 +1,5 @@
 //! The pad on the disc as a [`Model`]: its quantities, and the configurations that decide samples.
 
-use crate::friction::law::LawKind;
 use crate::model::behaviour::Behaviours;
 use crate::model::decision::Source;
 use crate::model::quantity::Quantity;
@@ -58,10 +57,7 @@ impl Model for PadModel {
     }
 
     fn outside_meaning(&self) -> &'static str {
-        match self.parameters().friction.law {
-            LawKind::Table(_) => "preload at or below 0, or a friction curve below 0 at some speed",
-            LawKind::Stribeck | LawKind::Rational => "preload at or below 0, or f_s < f_c",
-        }
+        "preload at or below 0, or f_s < f_c"
     }
 
     fn verdict_names(&self) -> [&'static str; 2] {

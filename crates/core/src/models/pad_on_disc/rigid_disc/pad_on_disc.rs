@@ -127,13 +127,12 @@ pub struct RandomInputs {
 
 impl RandomInputs {
     /// Whether a sample is outside physics, and so on a rigid disc stable by definition: without preload there is no
-    /// contact force, and below the least static friction coefficient friction rises with speed (`f_s < f_c`), or a
-    /// measured curve is below zero at some speed.
+    /// contact force, and with `f_s < f_c` friction rises with speed.
     #[inline]
     #[must_use]
-    pub fn are_outside_physics(self, least_static_coefficient: f64) -> bool {
+    pub fn are_outside_physics(self, kinetic_coefficient: f64) -> bool {
         // `|`, not `||`: loops over many samples have no branches then.
-        (self.preload <= 0.0) | (self.static_friction < least_static_coefficient)
+        (self.preload <= 0.0) | (self.static_friction < kinetic_coefficient)
     }
 }
 

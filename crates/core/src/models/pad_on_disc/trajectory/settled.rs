@@ -101,3 +101,17 @@ fn mean(moments: &[Moment], from: f64, to: f64) -> f64 {
     }
     if time > 0.0 { sum / time } else { moments.last().map_or(f64::NAN, |moment| moment.tangential.0) }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn amplitudes_change_steadily_or_not_at_all() {
+        assert!((steady_change(&[1.0, 1.1, 1.3, 1.5]).unwrap() - 0.5).abs() < 1e-15);
+        assert!((steady_change(&[1.0, 0.9, 0.8, 0.7]).unwrap() + 0.3).abs() < 1e-15);
+        // Beats, and a change that is lost among others.
+        assert_eq!(steady_change(&[1.0, 1.3, 1.2, 1.5]), None);
+        assert_eq!(steady_change(&[1.0, 1.000_01, 1.000_02, 1.000_05]), None);
+    }
+}

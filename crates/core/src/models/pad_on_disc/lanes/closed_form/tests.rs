@@ -177,23 +177,3 @@ fn every_law_has_the_verdicts_of_its_own_boundary() {
         assert!(seen.stable.min(seen.unstable) > 300, "law {number}: {seen:?}");
     }
 }
-
-#[test]
-fn a_curve_that_is_shifted_below_zero_is_outside_physics() {
-    // Scaled to f_s = 0.39, the last row reaches zero at z = -0.28 / 0.08 * 0.39 / 0.45. At 0.54 m/s the curve falls the
-    // more the further it is shifted down.
-    let (rows, deviations) = ([0.45, 0.38, 0.3, 0.28], [0.02, 0.05, 0.08, 0.08]);
-    let curve = MeasuredCurve::new(&[0.0, 0.5, 2.0, 5.0], &rows, Some(&deviations)).unwrap();
-    let mut parameters = Parameters::sui_ding_2018();
-    parameters.friction.law = LawKind::Table(SharedCurve::new(curve));
-    parameters.friction.kinetic_coefficient = 0.0;
-    parameters.operating_point.rotating_speed = 4.0;
-    let mut case = case_of(PadOnDisc::new(parameters).unwrap(), &["friction.band"], 0.0, 600, 1);
-    case.columns[0] = (0..600).map(|i| -0.01 * f64::from(i)).collect();
-    let limit = -3.5 * 0.39 / 0.45;
-    for (sample, verdict) in case.verdicts(&case.form).into_iter().enumerate() {
-        let expected = if case.columns[0][sample] < limit { Verdict::Stable } else { Verdict::Unstable };
-        assert_eq!(verdict, expected, "z = {}", case.columns[0][sample]);
-        assert!(case.expected(sample).is_none_or(|expected| expected == verdict), "sample {sample}");
-    }
-}
