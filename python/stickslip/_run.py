@@ -202,6 +202,8 @@ class Run:
         ------
         InputOutputError
             If something is lost. The message says how to get it back.
+        JobError
+            If files are gone that the job names, such as its matrices.
         """
         findings: dict[str, Any] = call_json(["verify", self.path])
         return findings

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use super::shipped_jobs::ShippedJob;
 use crate::cli::InitArguments;
 use crate::failure::Failure;
-use crate::files::bounded::{open_regular, read};
+use crate::files::bounded::holds;
 use crate::files::publish::publish_first;
 use crate::output::{note, output_file, quoted, result, shown};
 
@@ -30,8 +30,7 @@ pub fn init(arguments: &InitArguments) -> Result<(), Failure> {
     let files: Vec<(PathBuf, &[u8])> = files.iter().map(|(path, bytes)| (directory.join(path), *bytes)).collect();
     // What is there may be somebody's own.
     for (path, bytes) in &files {
-        let there = || open_regular(path).and_then(|mut file| read(&mut file, bytes.len() as u64));
-        if path.symlink_metadata().is_ok() && !there().is_ok_and(|there| there == *bytes) {
+        if path.symlink_metadata().is_ok() && !holds(path, bytes) {
             let message = format!("{} exists already and is another file; choose another folder", shown(path));
             return Err(Failure::CannotCreate(message));
         }

@@ -29,7 +29,7 @@ use crate::evaluate::remembering::Asked;
 use crate::evaluate::samples::Drawing;
 use crate::export::mat;
 use crate::failure::Failure;
-use crate::files::bounded::{open_regular, read};
+use crate::files::bounded::{holds, open_regular};
 use crate::files::publish::publish_first;
 use crate::job::reduction::Reduction;
 use crate::job::{Job, JobSource, with_full_matrices, with_reduced_matrices};
@@ -123,8 +123,7 @@ pub fn reduce(arguments: &ReduceArguments) -> Result<(), Failure> {
     // Of two reductions with one name, the second finds other matrices or the job of the first.
     let is_first = publish_first(&directory, &mat_name, &mat)?;
     let path_of_matrices = directory.join(&mat_name);
-    let there = || open_regular(&path_of_matrices).and_then(|mut file| read(&mut file, mat.len() as u64));
-    if !is_first && !there().is_ok_and(|there| there == mat) {
+    if !is_first && !holds(&path_of_matrices, &mat) {
         return Err(is_there(&mat_path));
     }
     let job_text = with_reduced_matrices(&source.text, &path_of_matrices, &found)

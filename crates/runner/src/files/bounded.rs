@@ -34,6 +34,11 @@ pub fn read(from: &mut dyn Read, most: u64) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
+/// Whether a regular file of this path can be read and holds these bytes.
+pub fn holds(path: &Path, bytes: &[u8]) -> bool {
+    open_regular(path).and_then(|mut file| read(&mut file, bytes.len() as u64)).is_ok_and(|there| there == bytes)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -52,8 +52,8 @@ impl<'a> Lines<'a> {
         Ok(Some((self.number, text.trim_end_matches(['\n', '\r']))))
     }
 
-    /// Refuses a last line with numbers and without an end, once all are read: in formats that do not say how many lines there are, a
-    /// number that is cut off may be a number still.
+    /// Refuses a last line with numbers and without an end, once all are read: in formats that do not say how many lines
+    /// there are, a number that is cut off may be a number still.
     ///
     /// # Errors
     /// Such a line.

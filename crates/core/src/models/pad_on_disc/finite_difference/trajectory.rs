@@ -95,10 +95,8 @@ impl FiniteDifferenceBrake {
         let monitor = FlexibleMonitor::new(options, equilibrium, displacement, (u == 0.0).then_some(x));
         let rises = inputs.static_friction < self.pad().kinetic_friction;
         let verdict = monitor.verdict().or(rises.then_some(Verdict::Stable));
-        let mut monitored = MonitoredLog { log: EventLog::default(), monitor, verdict };
-        if simulation.pad.contact == ContactState::Stick {
-            monitored.log.holds(0.0);
-        }
+        let log = EventLog::from_start(simulation.pad.contact);
+        let mut monitored = MonitoredLog { log, monitor, verdict };
 
         let every = (self.modal.step / self.step_length).round().max(1.0) as u64;
         let interval = every as f64 * self.step_length;

@@ -1,5 +1,5 @@
-//! Steady sliding found by continuation, where Newton's method from the equilibrium on a rigid disc fails
-//! or ends with the pad turned far.
+//! Steady sliding found by continuation, where Newton's method from the equilibrium on a rigid disc fails or
+//! ends with the pad turned far.
 //!
 //! A soft disc may have several equilibria. That of a brake is reached when it is pressed: under a small share of its
 //! preload and with the same share of its friction it is that of springs in contact, which Newton's method with shortened

@@ -3,7 +3,7 @@
 use crate::models::pad_on_disc::motion::integrator::Observer;
 use crate::models::pad_on_disc::pad::contact_state::ContactState;
 
-/// Turning points, sticks and releases of a motion. Of one that starts in stick it has to be told that the disc holds it.
+/// Turning points, sticks and releases of a motion.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct EventLog {
     /// Times and displacements of turning points.
@@ -45,6 +45,15 @@ impl Observer for EventLog {
 }
 
 impl EventLog {
+    /// The log of a motion that starts in a state of contact.
+    pub fn from_start(contact: ContactState) -> Self {
+        let mut log = Self::default();
+        if contact == ContactState::Stick {
+            log.holds(0.0);
+        }
+        log
+    }
+
     /// Time in stick between two moments.
     pub fn time_in_stick(&self, from: f64, to: f64) -> f64 {
         let share = |begin: f64, end: f64| (end.min(to) - begin.max(from)).max(0.0);
@@ -85,8 +94,7 @@ mod tests {
     /// A motion that starts in stick, and once is released and held again before it leaves the disc.
     #[test]
     fn a_release_that_leads_nowhere_shifts_no_other() {
-        let mut log = EventLog::default();
-        log.holds(0.0);
+        let mut log = EventLog::from_start(ContactState::Stick);
         log.slips(1.0);
         for (stick, held) in [(3.0, None), (6.0, Some(6.5)), (9.0, None)] {
             log.sticks(stick, 0.0);

@@ -8,7 +8,7 @@ use crate::models::pad_on_disc::degree_of_freedom::DegreeOfFreedom;
 use crate::models::pad_on_disc::flexible_disc::error::FlexibleError;
 use crate::models::pad_on_disc::motion::advance::advance;
 use crate::models::pad_on_disc::motion::event_log::EventLog;
-use crate::models::pad_on_disc::motion::integrator::{Equations, Motion, Observer};
+use crate::models::pad_on_disc::motion::integrator::{Equations, Motion};
 use crate::models::pad_on_disc::motion::moment::Moment;
 use crate::models::pad_on_disc::motion::rigid_with_angle::{RigidAngleState, RigidWithAngle};
 use crate::models::pad_on_disc::pad::contact_state::ContactState;
@@ -78,10 +78,7 @@ fn record<E: Equations>(
     steps: u64,
     moment: impl Fn(f64, &E::State, ContactState) -> Moment,
 ) -> (EventLog, Vec<Moment>) {
-    let mut log = EventLog::default();
-    if motion.contact == ContactState::Stick {
-        log.holds(0.0);
-    }
+    let mut log = EventLog::from_start(motion.contact);
     let mut moments = Vec::new();
     moments.push(moment(0.0, &motion.state, motion.contact));
     for step in 0..steps {
