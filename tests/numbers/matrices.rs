@@ -382,41 +382,137 @@ fn a_run_goes_on_with_its_own_matrices_alone() {
     assert_eq!(place.surface("run"), surface);
 }
 
+/// A matrix of friction as a file of Matrix Market.
+fn friction_file(coupling: f64) -> String {
+    format!("%%MatrixMarket matrix coordinate real general\n2 2 1\n1 2 {coupling}\n")
+}
+
+/// A job of three cells whose friction is in `friction.mtx`.
+fn job_of_file(criterion: &str, sampling: &str) -> String {
+    let rest =
+        format!("[axes]\nfriction = [0.5, 0.55, 0.6]\n{SCATTER}{CRITERION}{criterion}\n[sampling]\n{sampling}\n");
+    let damping = "damping = { matrix = [[0.001, 0], [0, 0.001]] }";
+    two_masses(damping, &rest).replace("matrix = [[0, -1.3333333333333333], [0, 0]]", "file = \"friction.mtx\"")
+}
+
+/// Three runs with the friction of one file, which was moved after them to `now`: `run`, `apart`, which draws other samples,
+/// and `paired`, which decides the same ones by another threshold. With what the commands say of them before.
+fn runs_of_a_moved_file(sampling: &str) -> (Place, Vec<Vec<u8>>) {
+    let place = Place::new();
+    place.write("friction.mtx", &friction_file(-1.5));
+    submitted(&place, "run", &job_of_file("", sampling));
+    submitted(&place, "apart", &job_of_file("damping_ratio = -0.001", &format!("{sampling}\nseed = 7")));
+    submitted(&place, "paired", &job_of_file("damping_ratio = -0.001", sampling));
+    let said = said_of_runs(&place);
+    std::fs::create_dir(place.path("now")).unwrap();
+    std::fs::rename(place.path("friction.mtx"), place.path("now/friction.mtx")).unwrap();
+    (place, said)
+}
+
+/// What is read of `run`: what commands print and write.
+fn said_of_runs(place: &Place) -> Vec<Vec<u8>> {
+    let printed = |words: &str| place.run(words).done().stdout.into_bytes();
+    let mut said: Vec<Vec<u8>> = [
+        "status run",
+        "status run --json",
+        "export run --format csv --out run.csv",
+        "plot run --out run.svg",
+        "compare run apart",
+        "plot run --against apart --out difference.svg",
+        "verify run",
+    ]
+    .map(printed)
+    .to_vec();
+    said.extend(["run.csv", "run.svg", "difference.svg"].map(|name| std::fs::read(place.path(name)).unwrap()));
+    said
+}
+
 #[test]
-fn a_run_whose_matrices_were_moved_is_sound_and_goes_on_from_where_they_are() {
-    for sampling in ["samples = 2000", "method = \"exact\""] {
-        let place = Place::new();
-        let matrix = |coupling: f64| format!("%%MatrixMarket matrix coordinate real general\n2 2 1\n1 2 {coupling}\n");
-        place.write("friction.mtx", &matrix(-1.5));
-        let rest = format!("{SCATTER}{CRITERION}[sampling]\n{sampling}\n");
-        let job =
-            two_masses("", &rest).replace("matrix = [[0, -1.3333333333333333], [0, 0]]", "file = \"friction.mtx\"");
-        submitted(&place, "run", &job);
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
+fn a_run_whose_matrices_were_moved_is_read_as_before_and_goes_on_from_where_they_are() {
+    for sampling in ["samples = 2000", "method = \"exact\"", "method = \"importance\"\nsamples = 4096"] {
+        let (place, before) = runs_of_a_moved_file(sampling);
         let surface = place.surface("run");
-        std::fs::create_dir(place.path("now")).unwrap();
-        std::fs::rename(place.path("friction.mtx"), place.path("now/friction.mtx")).unwrap();
+        assert!(said_of_runs(&place) == before, "{sampling}");
         let said = ["friction.mtx", "No such file", "run/job.toml is as it was written", "`--out run`"];
-        place.run("status run").refused(65, &said);
-        let verified = place.run("verify run").refused(65, &said).stdout;
-        assert!(!verified.contains("damaged"), "{verified}");
-        for line in ["job.toml: sound, but", "all sound", "surface.parquet: as it was written", "run.json: sound"] {
-            assert!(verified.contains(line), "{line}: {verified}");
-        }
+        place.run("resume run").refused(65, &said);
+        place.run("plot run --of modes").refused(65, &said);
+        let verified = place.run("verify run").done();
+        assert!(said.iter().all(|text| verified.stderr.contains(text)), "{}", verified.stderr);
+        // What is damaged is found, and written again from the pieces where there are some.
         let mut damaged = surface.clone();
         damaged[surface.len() / 2] ^= 1;
         std::fs::write(place.path("run/surface.parquet"), damaged).unwrap();
-        place.run("verify run").refused(74, &["damaged: surface.parquet"]);
-        std::fs::write(place.path("run/surface.parquet"), &surface).unwrap();
+        let verified = place.run("verify run");
+        if sampling.contains("exact") {
+            verified.refused(74, &["damaged: surface.parquet"]);
+            std::fs::write(place.path("run/surface.parquet"), &surface).unwrap();
+        } else {
+            assert!(verified.done().stdout.contains("it is written again from the pieces"));
+        }
+        assert!(place.surface("run") == surface);
         // Other matrices are those of another job, under whatever name.
-        place.write("friction.mtx", &matrix(-1.25));
+        place.write("friction.mtx", &friction_file(-1.25));
+        assert!(said_of_runs(&place) == before, "{sampling}");
         place.run("submit run.toml --out run").refused(65, &["friction.mtx is another than the one of this job"]);
         std::fs::remove_file(place.path("friction.mtx")).unwrap();
-        place.write("moved.toml", &job.replace("friction.mtx", "now/friction.mtx"));
+        place.write("moved.toml", &job_of_file("", sampling).replace("friction.mtx", "now/friction.mtx"));
         let moved = place.run("submit moved.toml --out run").done();
         assert!(moved.stderr.contains("job.toml is refused; it is written again"), "{}", moved.stderr);
         assert!(place.surface("run") == surface);
-        place.run("verify run").done();
+        let verified = place.run("verify run").done();
+        assert!(!verified.stderr.contains("friction.mtx"), "{}", verified.stderr);
     }
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
+fn what_needs_the_matrices_is_left_out_where_they_were_moved() {
+    let (place, _) = runs_of_a_moved_file("samples = 2000");
+    let report = place.run("report run paired --out run.html").done();
+    for said in [": the matrices of the model cannot be read as they were", "cannot be paired"] {
+        assert!(report.stderr.contains(said), "{said}: {}", report.stderr);
+    }
+    let page = std::fs::read_to_string(place.path("run.html")).unwrap();
+    assert!(
+        page.contains("Warning: the matrices of the model cannot be read as they were")
+            && !page.contains("id=\"modes\"")
+    );
+    let compared = place.run("compare run paired --json").done();
+    assert!(!page.contains("degrees of freedom") && !page.contains("first frequencies"), "{page}");
+    let why =
+        "cannot be paired: the matrices of the model cannot be read as they were, though they share random numbers";
+    assert!(compared.stderr.contains(why) && compared.stdout.contains("\"dependent\""), "{compared:?}");
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
+fn a_job_that_names_files_is_written_again_and_is_not_damaged_where_its_digest_is_lost() {
+    let (place, before) = runs_of_a_moved_file("samples = 2000");
+    std::fs::remove_file(place.path("run/digests.json")).unwrap();
+    let refused = place.run("resume run").refused(65, &["No such file", "run/job.toml can be read", "`--out run`"]);
+    assert!(!refused.stderr.contains("damaged"), "{}", refused.stderr);
+    let verified = place.run("verify run").done().stdout;
+    assert!(verified.contains("digests.json: none") && verified.contains("job.toml: sound\n"), "{verified}");
+    assert!(said_of_runs(&place) == before);
+    let path = place.path("run/job.toml");
+    for is_lost in [false, true] {
+        if is_lost {
+            std::fs::remove_file(&path).unwrap();
+        } else {
+            std::fs::write(&path, std::fs::read_to_string(&path).unwrap().replacen("2000", "2001", 1)).unwrap();
+        }
+        let verified = place.run("verify run").done();
+        assert!(verified.stdout.contains("the surface holds what it was"), "{}", verified.stdout);
+        assert!(verified.stderr.contains("friction.mtx"), "{}", verified.stderr);
+        assert!(said_of_runs(&place) == before);
+    }
+    // The surface does not say where the files were.
+    std::fs::rename(place.path("now/friction.mtx"), place.path("friction.mtx")).unwrap();
+    place.run("resume run").refused(65, &["friction.mtx", "`--out run`"]);
+    let again = place.run("submit run.toml --out run").done();
+    assert!(again.stderr.contains("job.toml is refused; it is written again"), "{}", again.stderr);
+    place.run("resume run").done();
 }
 
 #[test]

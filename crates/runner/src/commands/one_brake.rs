@@ -61,6 +61,11 @@ pub fn chosen_cell(arguments: &BrakeArguments) -> Result<Option<(Job, Cell)>, Fa
 /// The job in a file or of a run, with a cell of it, or that in the middle of its axes, with any band.
 pub fn cell_of(path: &Path, cell: Option<u64>) -> Result<(Job, Cell), Failure> {
     let job = if path.is_dir() { RunDirectory::view(path)?.job()? } else { JobSource::read(path)?.job()? };
+    with_cell(job, cell)
+}
+
+/// A job with a cell of it, or that in the middle of its axes, with any band.
+pub fn with_cell(job: Job, cell: Option<u64>) -> Result<(Job, Cell), Failure> {
     let last = job.cells() - 1;
     let index = match cell {
         Some(cell) if cell > last => {

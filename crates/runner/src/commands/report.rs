@@ -40,6 +40,9 @@ pub fn report(arguments: &ReportArguments, interrupt: &Interrupt) -> Result<(), 
 
 /// The pictures of the modes of a run whose model is given by matrices, in the middle of its axes.
 fn pictures_of_modes(job: &Job, threads: usize, interrupt: &Interrupt) -> Result<Vec<Picture>, Failure> {
+    if let Some(why) = job.model.unread() {
+        note(format_args!("the report leaves the pictures of modes out of `{}`: {why}", job.name));
+    }
     if job.model.as_matrices().is_none() {
         return Ok(Vec::new());
     }

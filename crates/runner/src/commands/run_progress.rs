@@ -36,7 +36,7 @@ pub struct RunProgress {
 impl RunProgress {
     /// The progress of a run, from its directory alone.
     pub fn read(directory: &RunDirectory) -> Result<Self, Failure> {
-        let job = directory.job()?;
+        let job = directory.job_to_read()?;
         let tally = directory.tally(&job)?;
         let parts = Parts::new(&job);
         let in_use = directory.in_use();

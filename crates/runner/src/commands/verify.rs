@@ -14,7 +14,7 @@ use crate::failure::{Advice, Failure};
 use crate::files::folder::{Folder, SMALL_FILE};
 use crate::job::{Job, MapUse};
 use crate::messages::{Code, Place};
-use crate::output::{counted, quoted, result, warn_of};
+use crate::output::{counted, quoted, result, warn, warn_of};
 use crate::store::digests::{DIGESTS, Digests, Fit, Known, digest_of_file};
 use crate::store::directory::RunDirectory;
 use crate::store::file_state::{FileState, state_of};
@@ -24,6 +24,7 @@ use crate::store::map_pieces;
 use crate::store::outdated::outdated;
 use crate::store::piece::{Defect, is_piece_name, read_checked};
 use crate::store::provenance::is_record;
+use crate::store::tally::Tally;
 use crate::tables::surface::Surface;
 
 /// `stickslip verify`.
@@ -115,20 +116,10 @@ impl Check<'_> {
         }
         let known = Known::read(directory.root())?;
         match &known {
-            Known::Digests(_) if self.are_of_another_run(&known) => {
-                let again = if self.can_repair { ", and written again" } else { "" };
-                let remark = format!("of another run{again}; the other files were checked without it");
-                self.find(DIGESTS, self.repaired(), remark);
-                if self.can_repair {
-                    directory.publish_digests(&Digests::default())?;
-                }
-            }
+            Known::Digests(_) if self.are_of_another_run(&known) => self.forget_digests("of another run")?,
             Known::Digests(_) => self.find(DIGESTS, State::Sound, "sound"),
             Known::Nothing => self.find(DIGESTS, State::Sound, "none; it was removed"),
-            Known::Damaged => {
-                let again = if self.can_repair { " and written again" } else { "" };
-                self.find(DIGESTS, self.repaired(), format!("damaged{again}; the other files were checked without it"));
-            }
+            Known::Damaged => self.forget_digests("damaged")?,
         }
         let run = quoted(directory.path());
         let Some(job) = self.job()? else {
@@ -140,6 +131,11 @@ impl Check<'_> {
             let again = format!("submit the job again to this directory with `--out {run}`; finished pieces are kept");
             return Ok(Advice::action(&again));
         };
+        if job.model.unread().is_some()
+            && let Err(refused) = directory.job()
+        {
+            warn([refused.to_string()]);
+        }
         self.all_pieces()?;
         self.surface(&job)?;
         self.lost(&job)?;
@@ -164,6 +160,14 @@ impl Check<'_> {
         })
     }
 
+    /// Writes digests of nothing in place of those that tell nothing of the files beside them.
+    fn forget_digests(&mut self, what: &str) -> Result<(), Failure> {
+        let again = if self.can_repair { ", and written again" } else { "" };
+        let remark = format!("{what}{again}; the other files were checked without it");
+        self.find(DIGESTS, self.repaired(), remark);
+        if self.can_repair { self.directory.publish_digests(&Digests::default()) } else { Ok(()) }
+    }
+
     /// Whether the digests are those of other files than the ones that lie beside them: of several that are there, none
     /// fits. Damage to all of them at once is no likelier than a file that was copied to the wrong place.
     fn are_of_another_run(&self, known: &Known) -> bool {
@@ -180,13 +184,13 @@ impl Check<'_> {
     fn job(&mut self) -> Result<Option<Job>, Failure> {
         let directory = self.directory;
         let why = match directory.job_source() {
-            Ok(Some(source)) => match source.job() {
+            Ok(Some(source)) => match source.job_to_read() {
                 Ok(job) => {
                     self.find(JOB, State::Sound, "sound");
                     return Ok(Some(job));
                 }
                 Err(refused) => {
-                    self.refused = directory.refused_as_written(&refused);
+                    self.refused = directory.refused_as_written(&source, &refused);
                     if self.refused.is_some() {
                         self.find(JOB, State::Sound, "sound, but refused; results are not compared with pieces");
                         return Ok(None);
@@ -286,10 +290,7 @@ impl Check<'_> {
             (tiles, needed) = (maps.missing().len(), maps.needed());
         }
         let audits = Parts::of_audits(job);
-        if audits.all_units() > 0
-            && directory.has_surface_of(job)?
-            && !audits.are_complete(&directory.audits_done(job)?)
-        {
+        if audits.all_units() > 0 && directory.has_surface_of(job)? && !are_audited(job, &directory.audits_done(job)?) {
             self.add(AUDITS, "some of the audited samples are lost");
         }
         if tiles > 0 {
@@ -318,7 +319,7 @@ impl Check<'_> {
         let tally = directory.tally(job)?;
         let complete = Parts::new(job).complete_cells(&tally);
         let audits = (job.plain_samples() > 0).then(|| directory.audits_done(job)).transpose()?;
-        let are_audited = audits.as_ref().is_none_or(|audits| Parts::of_audits(job).are_complete(audits));
+        let are_audited = audits.as_ref().is_none_or(|audits| are_audited(job, audits));
         if complete == job.cells() && are_audited {
             let surface = Surface::new(job, &tally).audited(audits.as_ref());
             if surface.is_published(directory)? {
@@ -407,6 +408,15 @@ impl Check<'_> {
             digests.set(name, digest.map_err(|error| Failure::reading(&root.path().join(name), error))?);
         }
         self.directory.publish_digests(&digests)
+    }
+}
+
+/// Whether the audits of a job, or its plain samples, are all there: at least those that are certain, which come together with
+/// the others where there are more.
+fn are_audited(job: &Job, audits: &Tally) -> bool {
+    match job.model.unread() {
+        None => Parts::of_audits(job).are_complete(audits),
+        Some(_) => (0..job.cells()).all(|cell| audits.is_complete(cell, job.certain_plain_samples())),
     }
 }
 

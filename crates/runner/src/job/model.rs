@@ -89,6 +89,11 @@ pub trait JobModel: Debug + Send + Sync {
         None
     }
 
+    /// Why nothing can be computed of it, where it was [read without its files](Draft::leave_files).
+    fn unread(&self) -> Option<&'static str> {
+        None
+    }
+
     /// What its reduction from a larger model costs, where it was reduced.
     fn reduction(&self) -> Option<&Reduction> {
         None
@@ -180,6 +185,10 @@ pub trait Draft {
         let _ = (place, value);
         String::new()
     }
+
+    /// Leaves out the files that a run names and does not keep, such as those of matrices. Such a model says what it is, and
+    /// nothing can be computed of it.
+    fn leave_files(&mut self) {}
 
     /// Checks the values of `[model]`.
     fn check_values(&mut self, axes: &AxesSpec, folder: &Path, complaints: &mut Complaints);

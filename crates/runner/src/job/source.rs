@@ -120,10 +120,26 @@ impl JobSource {
     /// # Errors
     /// Everything that is wrong with it, in the order of the text.
     pub fn job(&self) -> Result<Job, Failure> {
+        self.checked(true)
+    }
+
+    /// The job for what reads the results of its run: where it is refused with the files that a run does not keep, such as
+    /// those of matrices, without them. Nothing can be computed of it then.
+    ///
+    /// # Errors
+    /// As [`JobSource::job`].
+    pub fn job_to_read(&self) -> Result<Job, Failure> {
+        self.job().or_else(|refused| self.checked(false).map_err(|_| refused))
+    }
+
+    fn checked(&self, reads_files: bool) -> Result<Job, Failure> {
         let mut complaints = Complaints::default();
         let folder = self.path.parent().unwrap_or(Path::new(""));
         let job = reading::parse(&self.text, &mut complaints).and_then(|document| {
-            let draft = models::draft(&self.text, &document, &mut complaints);
+            let mut draft = models::draft(&self.text, &document, &mut complaints);
+            if let (false, Some(draft)) = (reads_files, &mut draft) {
+                draft.leave_files();
+            }
             let spec = reading::job_spec(&self.text, document, models::suggested, &mut complaints);
             validate(&spec?, draft?, folder, &mut complaints)
         });

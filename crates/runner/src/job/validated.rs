@@ -179,6 +179,14 @@ impl Job {
         }
     }
 
+    /// How many of them there are however long a sample takes, which is not known of a model without its files.
+    pub fn certain_plain_samples(&self) -> u64 {
+        match self.sampling.audit {
+            AUDIT => self.plain_samples().min(FEW_PLAIN_SAMPLES),
+            _ => self.plain_samples(),
+        }
+    }
+
     /// Whether probabilities are checked by samples that are kept apart.
     pub fn has_audits(&self) -> bool {
         self.answer() == Answer::Integral || self.plain_samples() > 0

@@ -3,7 +3,7 @@
 //! A card has fields of 8 characters or, with an asterisk, of 16; its further lines start with a blank, a plus or an
 //! asterisk. Fields may be separated by commas as well.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 use super::entries::{Entries, Symmetry};
 use super::error::{Problem, quoted};
@@ -79,7 +79,7 @@ impl Column {
         &mut self,
         line: u64,
         group: &[&str],
-        entry: &mut impl FnMut(Place, Place, f64) -> Result<(), Problem>,
+        entry: &mut impl FnMut(u64, Place, Place, f64) -> Result<(), Problem>,
     ) -> Result<(), Problem> {
         match group {
             ["", "", "", ..] => Ok(()),
@@ -95,7 +95,7 @@ impl Column {
                     );
                     return Err(Problem::at(line, text));
                 }
-                entry(self.place, row, number(line, value)?)
+                entry(line, self.place, row, number(line, value)?)
             }
             _ => Err(Problem::at(line, "the entry has no grid point, component and value")),
         }
@@ -107,7 +107,7 @@ fn each(
     source: &mut Source,
     mut header: impl FnMut(u64, Header) -> Result<(), Problem>,
     is_wanted: impl Fn(u64, &str) -> Result<bool, Problem>,
-    mut entry: impl FnMut(Place, Place, f64) -> Result<(), Problem>,
+    mut entry: impl FnMut(u64, Place, Place, f64) -> Result<(), Problem>,
 ) -> Result<(), Problem> {
     let mut lines = Lines::new(source)?;
     let mut card = Card::Other;
@@ -165,7 +165,7 @@ fn headers(source: &mut Source) -> Result<Vec<(Listed, Header)>, Problem> {
         found.push((listed, header));
         Ok(())
     };
-    each(source, take, |_, _| Ok(false), |_, _, _| Ok(()))?;
+    each(source, take, |_, _| Ok(false), |_, _, _, _| Ok(()))?;
     Ok(found)
 }
 
@@ -179,6 +179,8 @@ pub fn read(source: &mut Source, name: Option<&str>) -> Result<ReadMatrix, Probl
     let chosen = &headers[choose(&listed, name)?];
     let mut entries = Entries::default();
     let mut numbering = Numbering::default();
+    // The rows that have entries: in which line the first is, and whether the diagonal is given.
+    let mut rows: HashMap<Place, (u64, bool)> = HashMap::new();
     each(
         source,
         |_, _| Ok(()),
@@ -190,7 +192,12 @@ pub fn read(source: &mut Source, name: Option<&str>) -> Result<ReadMatrix, Probl
             let text = format!("the column is of matrix {name}, which has no header (with 0 for the grid point)");
             Err(Problem::at(line, text))
         },
-        |column, row, value| entries.push(numbering.number(row)?, numbering.number(column)?, value),
+        |line, column, row, value| {
+            if row == column || value != 0.0 {
+                rows.entry(row).or_insert((line, false)).1 |= row == column;
+            }
+            entries.push(numbering.number(row)?, numbering.number(column)?, value)
+        },
     )?;
     let of_it = |problem: Problem| problem.of_matrix(&chosen.name);
     let places = numbering.sort(&mut entries);
@@ -199,6 +206,14 @@ pub fn read(source: &mut Source, name: Option<&str>) -> Result<ReadMatrix, Probl
         _ => (Symmetry::None, Stored::General),
     };
     let mut read = ReadMatrix::new(entries.into_matrix(places.len(), symmetry).map_err(of_it)?, stored);
+    let without = rows.iter().filter(|(_, (_, has_diagonal))| !has_diagonal);
+    if symmetry == Symmetry::Symmetric
+        && let Some(((node, direction), (line, _))) = without.min_by_key(|(row, (line, _))| (*line, **row))
+    {
+        read.doubts.push(format!(
+            "line {line}: the row of grid point {node} and component {direction} has an entry, but none on the diagonal; is the card of its column missing?"
+        ));
+    }
     read.degrees_of_freedom = Some(places);
     if chosen.form == "2" {
         read.doubts.push("the file calls the matrix rectangular (IFO is 2); it is read over all grid points and components of its rows and columns".to_owned());

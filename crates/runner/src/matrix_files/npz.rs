@@ -82,8 +82,14 @@ impl Archive<'_> {
         let mut content = Content::open(self.source, member).map_err(of_it)?;
         let header = Header::read(&mut content, member.size).map_err(of_it)?;
         if header.count() > most {
+            let why = match name {
+                "shape" | "indptr" | "offsets" => "; the file is damaged",
+                _ => {
+                    " by the rows of the matrix and the length of the compressed file; save it with compressed=False if it is sound"
+                }
+            };
             return Err(of_it(Problem::new(format!(
-                "it has {} numbers, but should have {most} at most by the rows of the matrix and the length of the compressed file; save it with compressed=False if it is sound",
+                "it has {} numbers, but should have {most} at most{why}",
                 header.count()
             ))));
         }

@@ -5,7 +5,7 @@ use std::fs;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-use flate2::write::DeflateEncoder;
+use flate2::write::{DeflateEncoder, ZlibEncoder};
 use flate2::{Compression, Crc};
 
 use super::{ReadMatrix, Stored, align, names, read};
@@ -450,6 +450,27 @@ fn cards_of_nastran_go_on_in_further_lines() {
 }
 
 #[test]
+fn a_row_without_a_diagonal_in_a_symmetric_file_of_nastran_is_a_doubt() {
+    let place = tempfile::tempdir().unwrap();
+    let path = place.path().join("brake.pch");
+    let read = |columns: &str| {
+        fs::write(&path, format!("DMIG,K,0,6,2,0\n{columns}")).unwrap();
+        read(&path, None).unwrap()
+    };
+    let missing = read("DMIG,K,1,1,,1,1,1.0\n,2,1,4.0\nDMIG,K,3,1,,3,1,2.0\n");
+    assert!(
+        missing.doubts[0].starts_with("line 3: the row of grid point 2 and component 1 has"),
+        "{:?}",
+        missing.doubts
+    );
+    // Friction that couples two directions has no diagonal.
+    let coupling = read("DMIG,K,1,1,,2,1,4.0\n");
+    assert_eq!((dense(&coupling), coupling.doubts.len()), (vec![vec![0.0, 4.0], vec![4.0, 0.0]], 1));
+    let given = read("DMIG,K,1,1,,1,1,1.0\n,2,1,4.0\nDMIG,K,2,1,,2,1,0.0\n");
+    assert!(given.doubts.is_empty(), "{:?}", given.doubts);
+}
+
+#[test]
 fn one_side_of_the_diagonal_without_a_diagonal_is_not_mirrored() {
     let place = tempfile::tempdir().unwrap();
     let path = place.path().join("friction.mtx");
@@ -522,7 +543,7 @@ fn what_a_small_archive_inflates_to_is_bounded() {
         ),
         (
             sparse("csc", &[("indptr.npy", bytes(&many)), ("indices.npy", one.clone()), ("data.npy", one.clone())]),
-            "array `indptr`: it has 2000000 numbers, but should have 4 at most",
+            "array `indptr`: it has 2000000 numbers, but should have 4 at most; the file is damaged",
         ),
         (
             sparse("coo", &[("row.npy", bytes(&many)), ("col.npy", bytes(&many)), ("data.npy", bytes(&many))]),
@@ -530,7 +551,7 @@ fn what_a_small_archive_inflates_to_is_bounded() {
         ),
         (
             sparse("dia", &[("offsets.npy", bytes(&many)), ("data.npy", one)]),
-            "array `offsets`: it has 2000000 numbers, but should have 6 at most",
+            "array `offsets`: it has 2000000 numbers, but should have 6 at most; the file is damaged",
         ),
         (
             archive(&[("K.npy", array("|b1", false, "(1500, 1500)", &ones))]),
@@ -542,6 +563,33 @@ fn what_a_small_archive_inflates_to_is_bounded() {
         let message = refusal(".npz", &content, None);
         assert!(message.contains(words), "{message}");
     }
+}
+
+#[test]
+fn what_a_compressed_variable_inflates_to_is_bounded() {
+    /// An element of a MAT file: type, length, content, and what fills it up to eight bytes.
+    fn element(kind: u32, content: &[u8]) -> Vec<u8> {
+        let tag = [kind, content.len() as u32].map(u32::to_le_bytes).concat();
+        let filling = vec![0; content.len().next_multiple_of(8) - content.len()];
+        [tag, content.to_vec(), filling].concat()
+    }
+    let words = |numbers: &[u32]| numbers.iter().flat_map(|number| number.to_le_bytes()).collect::<Vec<u8>>();
+    let many = vec![0_u8; 2_000_000];
+    // A sparse array (5) of two rows and columns, with room for that many entries.
+    let parts = [
+        element(6, &words(&[5, 2_000_000])),
+        element(5, &words(&[2, 2])),
+        element(1, b"K"),
+        element(2, &many),
+        element(6, &words(&[0, 1_000_000, 2_000_000])),
+        element(2, &many),
+    ];
+    let mut packed = ZlibEncoder::new(Vec::new(), Compression::best());
+    packed.write_all(&element(14, &parts.concat())).unwrap();
+    let packed = packed.finish().unwrap();
+    let head = [&[b' '; 124][..], &[0, 1], b"IM", &words(&[15, packed.len() as u32])].concat();
+    let message = refusal(".mat", &[head, packed].concat(), Some("K"));
+    assert!(message.contains("`K`: the matrix has more than 1048580 entries, the limit for its rows"), "{message}");
 }
 
 #[test]

@@ -58,7 +58,7 @@ impl VerdictMaps {
     /// A run without maps, and one whose maps are not complete.
     pub fn read(run: &Path) -> Result<Self, Failure> {
         let directory = RunDirectory::view(run)?;
-        let job = directory.job()?;
+        let job = directory.job_to_read()?;
         if !job.uses_maps() {
             return Err(Failure::Job(format!(
                 "{} has no verdict map: its samples are decided one by one, or in closed form. Runs with a map have evaluate = \"boundary\" or method = \"exact\" in [sampling], and a [criterion] other than \"eigenvalue\"",

@@ -178,7 +178,7 @@ impl RunDirectory {
         let footer = |file: &File| Some((text_of_key(file, JOB_HASH_KEY)?, text_of_key(file, JOB_KEY)?));
         let Some((hash, text)) = self.root.open_file(SURFACE).ok().as_ref().and_then(footer) else { return false };
         let written = JobSource { path: self.surface(), text };
-        hash != job.hash() && written.job().is_ok_and(|written| written.hash() == job.hash())
+        hash != job.hash() && written.job_to_read().is_ok_and(|written| written.hash() == job.hash())
     }
 
     /// Whether there is a result that belongs to this job.

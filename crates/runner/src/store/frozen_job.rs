@@ -54,9 +54,18 @@ impl RunDirectory {
 
     /// The frozen job of an existing run.
     pub fn job(&self) -> Result<Job, Failure> {
+        self.job_by(JobSource::job)
+    }
+
+    /// The frozen job of an existing run for what reads its results, see [`JobSource::job_to_read`].
+    pub fn job_to_read(&self) -> Result<Job, Failure> {
+        self.job_by(JobSource::job_to_read)
+    }
+
+    fn job_by(&self, read: fn(&JobSource) -> Result<Job, Failure>) -> Result<Job, Failure> {
         match self.job_source()? {
-            Some(source) => source.job().map_err(|refused| {
-                if let Some(as_written) = self.refused_as_written(&refused) {
+            Some(source) => read(&source).map_err(|refused| {
+                if let Some(as_written) = self.refused_as_written(&source, &refused) {
                     return as_written;
                 }
                 let message = refused.message();
@@ -68,17 +77,19 @@ impl RunDirectory {
         }
     }
 
-    /// That the frozen job is refused although it is as it was written, as where files that it names are gone; `None` if it
-    /// may not be as it was written.
-    pub fn refused_as_written(&self, refused: &Failure) -> Option<Failure> {
-        let bytes = self.root().read_if_there(JOB, SMALL_FILE).ok()??;
-        if Known::read(self.root()).ok()?.fit(JOB, &digest_of_bytes(&bytes)) != Fit::Fits {
-            return None;
-        }
+    /// That the frozen job is refused although it is as it was written, or whole but for files that it names; `None` if it
+    /// may be neither.
+    pub fn refused_as_written(&self, source: &JobSource, refused: &Failure) -> Option<Failure> {
+        let fit = Known::read(self.root()).ok()?.fit(JOB, &digest_of_bytes(source.text.as_bytes()));
+        let state = match fit {
+            Fit::Fits => "is as it was written",
+            Fit::Unknown if source.job_to_read().is_ok() => "can be read",
+            Fit::Unknown | Fit::Differs => return None,
+        };
         let (message, path) = (refused.message(), self.path().join(JOB));
         let remedy = format!("--out {}", quoted(self.path()));
         let text = format!(
-            "{}\n{} is as it was written. If files that it names were moved, bring them back, or submit the job again with `{remedy}` and the places where they are now",
+            "{}\n{} {state}. If files that it names were moved, bring them back, or submit the job again with `{remedy}` and the places where they are now",
             message.text,
             path.display()
         );
@@ -95,7 +106,7 @@ impl RunDirectory {
         let surface = self.root().open_file(SURFACE).ok()?;
         let text = text_of_key(&surface, JOB_KEY)?;
         let source = JobSource { path: self.surface(), text };
-        let job = source.job().ok()?;
+        let job = source.job_to_read().ok()?;
         let is_whole = text_of_key(&surface, JOB_HASH_KEY)? == job.hash();
         // A run that was extended has the surface of the job before until it is finished, and pieces beyond that job.
         if !is_whole || self.tally(&job).is_err() {
@@ -103,7 +114,7 @@ impl RunDirectory {
         }
         let limited = self.table_of_limits(&job).and_then(|table| {
             let limited = JobSource { text: format!("{}{table}", source.text), path: self.surface() };
-            limited.job().ok().map(|job| (limited, job))
+            limited.job_to_read().ok().map(|job| (limited, job))
         });
         Some(limited.unwrap_or((source, job)))
     }
@@ -126,9 +137,8 @@ impl RunDirectory {
         }
         let surface = self.root().open_file(SURFACE).ok();
         let footer = surface.and_then(|file| Some((text_of_key(&file, JOB_KEY)?, text_of_key(&file, JOB_HASH_KEY)?)));
-        let fits = |(text, hash): (String, String)| match (JobSource { path: self.surface(), text }).job() {
+        let fits = |(text, hash): (String, String)| match (JobSource { path: self.surface(), text }).job_to_read() {
             Ok(other) => other.experiment_hash() == job.experiment_hash(),
-            // It names files without their folders.
             Err(_) => hash == job.hash(),
         };
         footer.is_none_or(fits) && self.tally(job).is_ok()

@@ -55,7 +55,7 @@ impl FinishedSurface {
     /// A directory that is no run, and a run without its surface.
     pub fn open(run: &Path) -> Result<Self, Failure> {
         let directory = RunDirectory::view(run)?;
-        let job = directory.job()?;
+        let job = directory.job_to_read()?;
         match directory.surface_state(&job)? {
             FileState::Sound => Ok(Self { job, directory, is_of_another_version: false }),
             FileState::OfAnotherVersion => Ok(Self { job, directory, is_of_another_version: true }),

@@ -45,10 +45,15 @@ const SLOW: usize = 40;
 /// Coordinates from which on it takes more than 10 milliseconds by all eigenvalues.
 const VERY_SLOW: usize = 200;
 
+/// Why nothing is computed of a model whose matrices are [left out](MatrixModel::without_matrices).
+pub const NOT_AT_HAND: &str = "the matrices of the model cannot be read as they were";
+
 /// A model given by matrices, with its criterion.
 #[derive(Debug, Clone)]
 pub struct MatrixModel {
     matrices: Arc<Matrices>,
+    /// Whether these are its own.
+    has_matrices: bool,
     problem: Problem,
     /// Left out of the problem: displacements of the degrees of freedom.
     rigid_body_motions: Vec<Vec<f64>>,
@@ -76,6 +81,7 @@ impl MatrixModel {
         let integrated = matrices.integrated();
         Ok(Self {
             matrices,
+            has_matrices: true,
             problem,
             rigid_body_motions,
             criterion,
@@ -94,6 +100,19 @@ impl MatrixModel {
         self.described = results.iter().map(|result| result.described()).collect();
         self.recorded = results;
         self
+    }
+
+    /// The same, whose matrices only stand for others that are not at hand: it says what it is, and nothing can be computed
+    /// of it.
+    #[must_use]
+    pub fn without_matrices(self) -> Self {
+        Self { has_matrices: false, ..self }
+    }
+
+    /// Whether something can be computed of it.
+    #[must_use]
+    pub fn has_matrices(&self) -> bool {
+        self.has_matrices
     }
 
     /// What it records.
@@ -169,6 +188,9 @@ impl Model for MatrixModel {
         varying: &[usize],
         like: Option<&dyn Configuration>,
     ) -> Result<Box<dyn Configuration>, ModelError> {
+        if !self.has_matrices {
+            return Err(ModelError(NOT_AT_HAND.to_owned()));
+        }
         let parameters = &expected[..self.matrices.parameters.len()];
         let factors = self.matrices.damping.iter().chain(&self.matrices.stiffness);
         for (term, value) in factors.zip(self.matrices.coefficients(parameters)) {

@@ -10,8 +10,9 @@ use crate::job::Job;
 use crate::output::note;
 use crate::plot::canvas::Canvas;
 use crate::report::{PICTURE_WIDTH, Picture, PictureKind};
+use crate::store::directory::RunDirectory;
 
-use super::one_brake::{cell_of, middle};
+use super::one_brake::{cell_of, middle, with_cell};
 
 mod common;
 
@@ -36,7 +37,12 @@ pub fn figure(arguments: &PlotArguments, width: f64, interrupt: &Interrupt) -> R
         }
         note(format_args!("quantiles make curves over one long axis; here the histogram of one cell is drawn"));
     }
-    let (job, cell) = cell_of(path, arguments.cell)?;
+    let (job, cell) = match arguments.of {
+        PlotQuantity::Distribution if path.is_dir() => {
+            with_cell(RunDirectory::view(path)?.job_to_read()?, arguments.cell)?
+        }
+        _ => cell_of(path, arguments.cell)?,
+    };
     let (canvas, name) = match arguments.of {
         PlotQuantity::Samples => {
             let mut plot = samples::scatter(&job, &cell, arguments, interrupt)?;

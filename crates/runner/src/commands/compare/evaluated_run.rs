@@ -18,14 +18,15 @@ use crate::schedule::mapping::Mapping;
 use crate::store::layout::MAPS;
 use crate::store::map_pieces;
 use crate::store::tally::Tally;
+use crate::tables::finished::FinishedSurface;
 use crate::tables::row::unaudited;
 
 /// A finished run whose samples can be evaluated again.
 pub struct EvaluatedRun<'a> {
     /// The run.
     pub run: &'a Run,
-    /// Evaluates its samples, by its verdict maps where it has any.
-    pub evaluator: Evaluator<'a>,
+    /// Evaluates its samples, by its verdict maps where it has any; `None` where its model was read without its files.
+    pub evaluator: Option<Evaluator<'a>>,
     /// One for each cell where probabilities are integrated, else none.
     integrated: Vec<IntegratedCell>,
     /// The plain samples beside its probabilities, or the audits of its map.
@@ -42,10 +43,16 @@ impl<'a> EvaluatedRun<'a> {
         engine: &Engine,
         interrupt: &Interrupt,
     ) -> Result<Self, Failure> {
-        let mut evaluator = Evaluator::new(&run.job)?;
         let mut integrated = Vec::new();
         // The run keeps its audits.
         let mut audits = run.directory.audits_done(&run.job)?;
+        if run.job.model.unread().is_some() {
+            if run.job.answer() == Answer::Integral {
+                integrated = integrals_of_surface(run)?;
+            }
+            return Ok(Self { run, evaluator: None, integrated, audits });
+        }
+        let mut evaluator = Evaluator::new(&run.job)?;
         let map_use = run.job.map_use();
         if map_use == MapUse::Integrate || (map_use == MapUse::LookUp && needs_verdicts) {
             complete_maps(run, &mut evaluator, runs, engine, interrupt)?;
@@ -60,7 +67,7 @@ impl<'a> EvaluatedRun<'a> {
             }
             integrated = cells;
         }
-        Ok(Self { run, evaluator, integrated, audits })
+        Ok(Self { run, evaluator: Some(evaluator), integrated, audits })
     }
 
     /// The probability of a cell, with its bounds where it is integrated, else with the interval of a confidence. Nothing is
@@ -117,6 +124,17 @@ impl<'a> EvaluatedRun<'a> {
     pub fn error_share(&self, cell: u64) -> f64 {
         self.run.parts.error_share_at_stop(&self.run.tally, cell)
     }
+}
+
+/// The integrals of a run as its surface has them.
+fn integrals_of_surface(run: &Run) -> Result<Vec<IntegratedCell>, Failure> {
+    let surface = FinishedSurface::open(run.directory.path())?;
+    let [probability, low, high] = surface.numbers(["p_unstable", "p_low", "p_high"])?;
+    let of_cell = |((probability, low), high): ((Option<f64>, Option<f64>), Option<f64>)| {
+        let estimate = Estimate { probability, low: low.unwrap_or(0.0), high: high.unwrap_or(1.0) };
+        IntegratedCell { estimate, ..IntegratedCell::unknown() }
+    };
+    Ok(probability.into_iter().zip(low).zip(high).map(of_cell).collect())
 }
 
 /// Completes the verdict maps of a run, with tiles of other runs where they fit. New tiles are kept in the run, if it

@@ -54,6 +54,9 @@ fn dependence(first: &Job, second: &Job) -> (Dependence, Option<String>) {
     if inputs[0] != inputs[1] {
         return dependent(format!("they have {} and {} random inputs", inputs[0], inputs[1]));
     }
+    if let Some(why) = first.model.unread().or(second.model.unread()) {
+        return dependent(why.to_owned());
+    }
     (Dependence::Paired, None)
 }
 

@@ -127,9 +127,11 @@ pub fn count_pairs(
         let verdicts = |run: &EvaluatedRun<'_>, cell: u64| {
             let end = unit.samples.end.min(run.run.lengths(cell)[unit.randomisation]);
             let samples = unit.samples.start..end;
-            match samples.is_empty() {
-                true => Vec::new(),
-                false => run.evaluator.verdicts(cell, unit.randomisation, samples, is_stopped),
+            match &run.evaluator {
+                Some(evaluator) if !samples.is_empty() => {
+                    evaluator.verdicts(cell, unit.randomisation, samples, is_stopped)
+                }
+                _ => Vec::new(),
             }
         };
         let joint = JointCounts::from_verdicts(&verdicts(first, cell.first), &verdicts(second, cell.second));

@@ -41,7 +41,7 @@ impl Run {
     /// Among others, a run that is not finished.
     pub fn open(path: &Path) -> Result<Self, Failure> {
         let directory = RunDirectory::open(path, Access::Reading, AN_INSTANT)?;
-        let mut job = directory.job()?;
+        let mut job = directory.job_to_read()?;
         let tally = directory.tally(&job)?;
         let parts = Parts::new(&job);
         let complete = directory.complete_cells(&job, &tally);

@@ -113,9 +113,12 @@ fn sparse(body: &mut Body<'_>, size: usize, room: u64, most: usize) -> Result<Bu
         return Err(too_many_entries(MOST_ENTRIES));
     }
     // There may be more room in the file than entries; MATLAB keeps room for one at least.
-    let most = room.max(1).min(most as u64);
+    let room = room.max(1);
     let mut rows = Vec::new();
-    body.numbers("rows of entries", [0, most], |value| {
+    body.numbers("rows of entries", [0, room], |value| {
+        if rows.len() == most {
+            return Err(too_many_entries(most));
+        }
         rows.push(index(value)?);
         Ok(())
     })?;
@@ -127,7 +130,10 @@ fn sparse(body: &mut Body<'_>, size: usize, room: u64, most: usize) -> Result<Bu
     })?;
     let count = starts.last().copied().unwrap_or_default() as u64;
     let mut values = Vec::new();
-    body.numbers("entries", [count, most], |value| {
+    body.numbers("entries", [count, room], |value| {
+        if values.len() == most {
+            return Err(too_many_entries(most));
+        }
         values.push(value);
         Ok(())
     })?;

@@ -25,11 +25,12 @@ pub struct ReadModel {
     pub remarks: String,
 }
 
-/// Reads the matrices and their factors, and checks them.
+/// Reads the matrices and their factors, and checks them. Without a folder of files the factors are read alone, with what
+/// stands for the matrices.
 pub fn read<'a>(
     spec: &'a MatrixModelSpec,
     parameters: &[Parameter],
-    folder: &Path,
+    folder: Option<&Path>,
     complaints: &mut Complaints,
 ) -> Option<ReadModel> {
     let Some(mass) = &spec.mass else {
@@ -62,7 +63,7 @@ pub fn read<'a>(
     }
     let terms = complaints.take(aligned(terms))?;
     checks::refuse(&terms, stiffness_from, complaints)?;
-    let mut warnings = checks::doubts(&terms, stiffness_from);
+    let mut warnings = folder.map_or_else(Vec::new, |_| checks::doubts(&terms, stiffness_from));
     let remarks = checks::grouped(&terms, |read| &read.notes);
     let remarks = remarks.iter().map(|remark| format!("# {remark}\n")).collect();
     let mut files = Vec::new();

@@ -6,7 +6,7 @@ use std::sync::{Arc, OnceLock};
 use serde::Deserialize;
 use stickslip_core::model::Model;
 use stickslip_core::model::quantity::Quantity;
-use stickslip_core::models::matrices::model::{BAND, ComplexEigenvalue, MatrixModel, quantities};
+use stickslip_core::models::matrices::model::{BAND, ComplexEigenvalue, MatrixModel, NOT_AT_HAND, quantities};
 use stickslip_core::models::matrices::problem::{Problem, Solver};
 use stickslip_core::models::matrices::recorded::PairResult;
 use stickslip_core::models::matrices::terms::Parameter;
@@ -72,6 +72,7 @@ struct MatrixDraft {
     quantities: Vec<Quantity>,
     expected: Vec<f64>,
     model: Option<ReadModel>,
+    reads_files: bool,
     /// Whether nothing of parameters and bands was refused.
     is_whole: bool,
 }
@@ -93,7 +94,8 @@ impl MatrixDraft {
         let quantities = quantities(&parameters, bands.len());
         let mut expected: Vec<f64> = parameters.iter().map(|parameter| parameter.value).collect();
         expected.resize(quantities.len(), 0.0);
-        Self { tables, parameters, bands, quantities, expected, model: None, is_whole: complaints.len() == before }
+        let is_whole = complaints.len() == before;
+        Self { tables, parameters, bands, quantities, expected, model: None, reads_files: true, is_whole }
     }
 
     fn spec(&self) -> Option<&MatrixCriterionSpec> {
@@ -143,11 +145,18 @@ impl Draft for MatrixDraft {
         self.spec()?.outside_physics.as_ref()
     }
 
+    fn leave_files(&mut self) {
+        self.reads_files = false;
+    }
+
     fn check_values(&mut self, _: &AxesSpec, folder: &Path, complaints: &mut Complaints) {
         if complaints.has_unread(&["model"]) || !self.is_whole {
             return;
         }
-        self.model = assemble::read(&self.tables.model, &self.parameters, folder, complaints);
+        let folder = self.reads_files.then_some(folder);
+        // Without files it is refused for other reasons than these, which were said when it was read with them.
+        self.model = assemble::read(&self.tables.model, &self.parameters, folder, complaints)
+            .filter(|read| folder.is_some() || !read.files.is_empty());
     }
 
     fn expected(&self) -> Vec<f64> {
@@ -275,9 +284,13 @@ impl Draft for MatrixDraft {
         let span = self.tables.model.mass.as_ref().map(Spanned::span);
         let model =
             complaints.take(model.map_err(|error| Complaint::maybe_at(span, format!("model.mass: {error}"))))?;
-        let model = model.recording(record);
-        let checked = configurable(&model, grid).map_err(|error| Complaint::maybe_at(None, format!("model: {error}")));
-        complaints.take(checked)?;
+        let mut model = model.recording(record);
+        if self.reads_files {
+            let checked = configurable(&model, grid);
+            complaints.take(checked.map_err(|error| Complaint::maybe_at(None, format!("model: {error}"))))?;
+        } else {
+            model = model.without_matrices();
+        }
         Some(Arc::new(MatrixJob {
             model,
             files: read.files,
@@ -360,18 +373,30 @@ impl JobModel for MatrixJob {
     fn warnings(&self, grid: &Grid, _: &RandomInputSet) -> Vec<String> {
         let mut warnings = self.warnings.clone();
         warnings.extend(self.reduction().map(Reduction::warnings).unwrap_or_default());
+        if let Some(why) = self.unread() {
+            warnings.push(format!("{why}, so nothing is said of them and of the modes"));
+            return warnings;
+        }
         warnings.extend(checks::warnings(&self.model, self.modes(grid)));
         warnings.extend(checks::rigid_body_motions(&self.model));
         warnings
     }
 
     fn remarks(&self, grid: &Grid) -> String {
+        // Of matrices that are not at hand nothing is known.
+        if self.unread().is_some() {
+            return String::new();
+        }
         let frequencies = checks::frequencies(&self.model, self.modes(grid));
         format!("{}{}{frequencies}", self.remarks, terms::unused_matrices(&self.files))
     }
 
     fn as_matrices(&self) -> Option<&MatrixModel> {
-        Some(&self.model)
+        Some(&self.model).filter(|model| model.has_matrices())
+    }
+
+    fn unread(&self) -> Option<&'static str> {
+        (!self.model.has_matrices()).then_some(NOT_AT_HAND)
     }
 
     fn reduction(&self) -> Option<&Reduction> {

@@ -127,7 +127,9 @@ pub struct FileTerm {
 impl FileTerm {
     /// Whether this is what a term names.
     pub fn is_of(&self, spec: &TermSpec) -> bool {
-        spec.file.as_ref() == Some(&self.file) && spec.matrix == self.matrix
+        spec.file.as_ref() == Some(&self.file)
+            && spec.matrix == self.matrix
+            && spec.digest.as_ref().is_none_or(|digest| *digest == self.digest)
     }
 }
 
@@ -144,15 +146,15 @@ impl TermSpec {
 
 /// Reads terms, each matrix of a file once.
 pub struct Reader<'a> {
-    folder: &'a Path,
+    folder: Option<&'a Path>,
     parameters: Vec<&'a str>,
     /// By file and name.
     known: HashMap<(String, Option<String>), ReadMatrix>,
 }
 
 impl<'a> Reader<'a> {
-    /// For files beside the job, and factors in these parameters.
-    pub fn new(folder: &'a Path, parameters: &'a [Parameter]) -> Self {
+    /// For files beside the job, if they are not left out, and factors in these parameters.
+    pub fn new(folder: Option<&'a Path>, parameters: &'a [Parameter]) -> Self {
         let parameters = parameters.iter().map(|parameter| parameter.name.as_str()).collect();
         Self { folder, parameters, known: HashMap::new() }
     }
@@ -176,7 +178,12 @@ impl<'a> Reader<'a> {
         let head = |factor| Head { key: key.to_owned(), span: spec.span(), factor };
         match (file, matrix) {
         (Some(name), None | Some(MatrixSpec::Name(_))) => {
-            let path = self.folder.join(name);
+            let Some(folder) = self.folder else {
+                let digest = digest.clone().ok_or_else(|| complain("the term has no digest".to_owned()))?;
+                let file = FileTerm { file: name.clone(), matrix: matrix.clone(), path: name.into(), digest };
+                return Ok(Term { head: head(factor), read: stand_in().map_err(complain)?, file: Some(file) });
+            };
+            let path = folder.join(name);
             let wanted = match matrix {
                 Some(MatrixSpec::Name(name)) => Some(name.clone()),
                 _ => None,
@@ -200,7 +207,9 @@ impl<'a> Reader<'a> {
             Ok(Term { head: head(factor), read, file: Some(file) })
         }
         (None, Some(MatrixSpec::Rows(rows))) => {
-            Ok(Term { read: of_rows(rows).map_err(complain)?, head: head(factor), file: None })
+            let read = of_rows(rows).map_err(complain)?;
+            let read = if self.folder.is_some() { read } else { stand_in().map_err(complain)? };
+            Ok(Term { read, head: head(factor), file: None })
         }
         (Some(_), Some(MatrixSpec::Rows(_))) => {
             Err(complain("a file is given beside the rows of a matrix; remove one of the two".to_owned()))
@@ -213,6 +222,11 @@ impl<'a> Reader<'a> {
         )),
     }
     }
+}
+
+/// What stands for each matrix where files are left out: all of one size, and fit for any place in a model.
+fn stand_in() -> Result<ReadMatrix, String> {
+    of_rows(&[vec![1.0]])
 }
 
 /// A matrix by its rows.
