@@ -102,6 +102,59 @@ fn the_recorded_growth_rate_is_the_largest_of_all_motions() {
     assert!((table.column("frequency_mean")[last] - 1769.0).abs() < 1.0);
 }
 
+/// By event-accurate integration: on the belt a cycle of 3.0051 m without sticking at 3 m/s, where stick-slip has ended, and
+/// still a cycle at 3.5 m/s; of the pad one of 0.0020148 h, which ends between 7.32 and 7.33 rad/s.
+#[test]
+fn a_limit_cycle_that_outlasts_stick_slip_is_found_and_named() {
+    let place = Place::new();
+    let pad =
+        "--set friction.stribeck_exponent=2 --set damping.tangential=3000 --set operating_point.rotating_speed=7.0";
+    let said = place.run(&format!("analyse {pad}")).done().stdout;
+    assert!(said.contains("\nsaddle-node        6.8818 rad/s, no stick-slip limit cycle above"), "{said}");
+    assert!(
+        said.contains("\nend of cycles      7.3237 rad/s, no limit cycle above, with or without sticking"),
+        "{said}"
+    );
+    assert!(said.contains("\n  stick            none: a cycle without sticking\n"), "{said}");
+    let said = place.run(&format!("analyse {pad} --json")).done().stdout;
+    let analysis: serde_json::Value = serde_json::from_str(&said).unwrap();
+    let cycle = &analysis["limit_cycle"];
+    let number = |value: &serde_json::Value| value.as_f64().unwrap();
+    let amplitude = 0.5 * (number(&cycle["x_max"]) - number(&cycle["x_min"]));
+    assert!((amplitude - 0.002_014_8).abs() < 1e-7, "{said}");
+    assert_eq!(number(&cycle["stick_fraction"]), 0.0);
+    assert!((7.32..7.33).contains(&number(&analysis["end_of_cycles_rad_s"])), "{said}");
+
+    let case = std::fs::read_to_string(repository().join("tests/data/cases/rising-belt.toml")).unwrap();
+    for (speed, amplitude) in [(3.0, Some(3.0051)), (3.5, Some(3.4610)), (4.0, None)] {
+        place.write("belt.toml", &case.replace("[3.0]", &format!("[{speed:?}]")));
+        let said = place.run("analyse belt.toml").done().stdout;
+        assert!(
+            said.contains("end of stick-slip  2.778 m/s\nend of cycles      3.887 m/s, no limit cycle above"),
+            "{said}"
+        );
+        assert_eq!(said.contains(" s, without sticking\n"), amplitude.is_some(), "{said}");
+        let eigenvalue = case.replace("[3.0]", &format!("[{speed:?}]")).replace(
+            "kind = \"time-domain\"\nstart = \"limit-cycle\"\nrecord = [\"amplitude\"]",
+            "kind = \"eigenvalue\"\nrecord = [\"cycle_amplitude\", \"cycle_velocity\"]",
+        );
+        place.write("recorded.toml", &eigenvalue);
+        place.run(&format!("submit recorded.toml --out recorded-{speed}")).done();
+        let table = Table::read(&place.path(&format!("recorded-{speed}/surface.parquet")));
+        let [found, velocity] =
+            ["cycle_amplitude", "cycle_velocity"].map(|name| table.column(&format!("{name}_p50"))[0]);
+        let Some(amplitude) = amplitude else {
+            assert!(found.is_nan() && velocity.is_nan(), "{speed}: {found} {velocity}");
+            continue;
+        };
+        // A quantile is exact to 1/2000.
+        assert!((found / amplitude - 1.0).abs() < 1e-3, "{speed}: {found}");
+        assert!((velocity / (amplitude / std::f64::consts::SQRT_2) - 1.0).abs() < 1e-2, "{speed}: {velocity}");
+    }
+    let settled = surface(&place, "rising-belt").column("amplitude_mean")[0];
+    assert!((settled / 3.0051 - 1.0).abs() < 1e-3, "{settled}");
+}
+
 #[test]
 fn messages_say_what_is_wrong() {
     let place = Place::new();

@@ -115,6 +115,7 @@ fn analyse_converts_its_other_numbers_by_the_scales_of_the_paper() {
         ("coupled_growth_rate_per_s", "coupled_growth_rate", 1.0 / tau),
         ("critical_speed_m_s", "critical_speed_rad_s", OUTER_RADIUS),
         ("saddle_node_speed_m_s", "saddle_node_speed_rad_s", OUTER_RADIUS),
+        ("end_of_cycles_m_s", "end_of_cycles_rad_s", OUTER_RADIUS),
         ("critical_preload_mm", "critical_preload", 1e3 * THICKNESS),
         ("smallest_knock.speed_m_s", "smallest_knock.speed", THICKNESS / tau),
         ("smallest_knock.forward_m_s", "smallest_knock.forward", THICKNESS / tau),

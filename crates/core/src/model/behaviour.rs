@@ -16,7 +16,7 @@ pub struct Cycle {
     pub amplitude: f64,
     /// Hz.
     pub frequency: f64,
-    /// The share of its period spent in stick.
+    /// The share of its period spent in stick; 0 in a cycle without sticking.
     pub stick: f64,
 }
 

@@ -66,12 +66,13 @@ function aboutModel(cell) {
     const rate = expected.growth_rate[cell];
     const [rateOn, cycleOn] = expected.on;
     const size = expected.amplitude_mm[cell];
+    const stick = expected.stick[cell];
     sentences.push(
       rate === null ? "no growth rate is known"
         : `small motions about steady sliding ${rate > 0 ? "grow" : "decay"} at ${number(Math.abs(rate))} 1/s${rateOn}`,
-      size === null ? `no stick-slip limit cycle${cycleOn}`
-        : `stick-slip limit cycle${cycleOn}: amplitude ${number(size)} mm, ${number(expected.frequency_hz[cell])} Hz, ` +
-          `${number(100 * expected.stick[cell])} % of the period in stick`,
+      size === null ? `no limit cycle${cycleOn}`
+        : `limit cycle${cycleOn}: amplitude ${number(size)} mm, ${number(expected.frequency_hz[cell])} Hz, ` +
+          (stick === 0 ? "without sticking" : `${number(100 * stick)} % of the period in stick`),
     );
   }
   const lines = !sentences.length ? marks : [...marks, `With exactly these values: ${sentences.join("; ")}.`];

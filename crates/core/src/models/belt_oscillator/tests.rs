@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::friction::law::LawKind;
+use crate::friction::measured_curve::{MeasuredCurve, SharedCurve};
 use crate::model::Columns;
 use crate::model::verdict::Verdict;
 use crate::models::pad_on_disc::parameters::scalar;
@@ -157,4 +158,41 @@ fn the_velocity_of_a_cycle_that_never_sticks_is_nearly_that_of_a_harmonic_one() 
     let harmonic = amplitude * std::f64::consts::TAU / cycle.period / std::f64::consts::SQRT_2;
     let velocity = brake.rms_velocity(&cycle).unwrap();
     assert!((velocity / harmonic - 1.0).abs() < 1e-3, "{velocity} {harmonic}");
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
+fn a_measured_curve_that_rises_from_rest_has_cycles_without_sticking_far_above_the_end_of_stick_slip() {
+    // Found outside the program, by event-accurate integration: amplitude 3.0051 m at 3 m/s, and still a cycle at 3.5 m/s.
+    // Further digits, and the end, are those of a classical Runge-Kutta method outside Rust with 1600 to 6300 steps a
+    // cycle, on SciPy's PCHIP: belt speed; amplitude, period, root mean square of x'.
+    let curve = MeasuredCurve::new(&[0.0, 0.1, 0.3, 1.0, 2.0, 5.0], &[0.1, 0.5, 0.6, 0.3, 0.2, 0.3], None);
+    let curve = SharedCurve::new(curve.unwrap());
+    let at = |speed: f64| {
+        let friction = Friction {
+            law: LawKind::Table(curve),
+            static_coefficient: 0.1,
+            kinetic_coefficient: 0.0,
+            ..oscillator().friction
+        };
+        let oscillator = Oscillator { damping: 0.02, belt_speed: speed, friction, ..oscillator() };
+        PadOnDisc::new(oscillator.as_pad()).unwrap()
+    };
+    for (speed, [amplitude, period, velocity]) in
+        [(3.0, [3.005_074_72, 6.291_303_0, 2.121_772]), (3.5, [3.460_961_22, 6.288_843_7, 2.444_878])]
+    {
+        let brake = at(speed);
+        let cycle = brake.limit_cycle().unwrap();
+        assert!(!cycle.reaches_disc_speed && cycle.stick_fraction == 0.0, "{cycle:?}");
+        let found = 0.5 * (cycle.tangential_max - cycle.tangential_min);
+        assert!((found - amplitude).abs() < 1e-7, "{speed}: {found}");
+        assert!((cycle.period - period).abs() < 1e-6, "{speed}: {cycle:?}");
+        let found = brake.rms_velocity(&cycle).unwrap();
+        assert!((found - velocity).abs() < 3e-6, "{speed}: {found}");
+    }
+    let ends = at(3.0).cycle_ends();
+    assert!((ends.stick_slip.unwrap() - 2.778).abs() < 1e-3, "{ends:?}");
+    assert!((ends.any.unwrap() - 3.886_93).abs() < 1e-5, "{ends:?}");
+    assert!(at(2.7).limit_cycle().unwrap().reaches_disc_speed);
+    assert_eq!(at(4.0).limit_cycle(), None);
 }

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 use stickslip_core::models::pad_on_disc::rigid_disc::basin::Basin;
-use stickslip_core::models::pad_on_disc::rigid_disc::limit_cycle::LimitCycle;
+use stickslip_core::models::pad_on_disc::rigid_disc::limit_cycle::{CycleEnds, LimitCycle};
 use stickslip_core::models::pad_on_disc::rigid_disc::pad_on_disc::{PadOnDisc, SlidingEquilibrium};
 use stickslip_core::models::pad_on_disc::rigid_disc::stability::SpeedRange;
 use stickslip_core::numerics::eigenvalues::Eigenvalue;
@@ -16,8 +16,8 @@ pub struct Oscillator {
     eigenvalues: [Eigenvalue; 2],
     /// Where steady sliding is unstable.
     unstable_speeds: Vec<SpeedRange>,
-    /// The speed above which no motion sticks again, if there is one.
-    end_of_stick_slip: Option<f64>,
+    /// The speed above which no motion sticks again, and that above which there is no limit cycle.
+    ends: CycleEnds,
     cycle: Option<LimitCycle>,
     basin: Basin,
 }
@@ -31,7 +31,7 @@ impl Oscillator {
             equilibrium: pad.sliding_equilibrium(),
             eigenvalues: [first, second],
             unstable_speeds: pad.unstable_speeds(),
-            end_of_stick_slip: pad.saddle_node_speed(),
+            ends: pad.cycle_ends(),
             cycle: pad.limit_cycle(),
             basin: pad.basin(),
         }
@@ -67,7 +67,8 @@ impl Oscillator {
             "stable": self.is_stable(),
             "critical_speed": self.unstable_speeds.last().map(|speeds| speeds.to),
             "unstable_speeds": self.unstable_speeds.iter().map(|speeds| [speeds.from, speeds.to]).collect::<Vec<_>>(),
-            "end_of_stick_slip": self.end_of_stick_slip,
+            "end_of_stick_slip": self.ends.stick_slip,
+            "end_of_cycles": self.ends.any,
             "limit_cycle": cycle,
             "smallest_knock": knock,
         })
@@ -97,14 +98,21 @@ impl Oscillator {
             im => format!("{} +- {}i 1/s", significant(first.re), significant(im)),
         };
         let stable = if self.is_stable() { "stable" } else { "unstable" };
-        let end_of_stick_slip = self.end_of_stick_slip.map(|speed| format!("{} m/s", significant(speed)));
+        let end_of_stick_slip = self.ends.stick_slip.map(|speed| format!("{} m/s", significant(speed)));
+        let end_of_cycles = self.ends.without_sticking().map(|speed| {
+            ("end of cycles", format!("{} m/s, no limit cycle above, with or without sticking", significant(speed)))
+        });
         let cycle = match &self.cycle {
             Some(cycle) => format!(
-                "x from {} to {} m, period {} s, {:.1} % of it in stick",
+                "x from {} to {} m, period {} s, {}",
                 significant(cycle.tangential_min),
                 significant(cycle.tangential_max),
                 significant(cycle.period),
-                100.0 * cycle.stick_fraction
+                if cycle.reaches_disc_speed {
+                    format!("{:.1} % of it in stick", 100.0 * cycle.stick_fraction)
+                } else {
+                    "without sticking".to_owned()
+                }
             ),
             None => "none at this belt speed".to_owned(),
         };
@@ -131,10 +139,11 @@ impl Oscillator {
             ("eigenvalues", eigenvalues),
             ("critical speed", self.critical_speed()),
             ("end of stick-slip", end_of_stick_slip.unwrap_or_else(|| "not found".to_owned())),
-            ("limit cycle", cycle),
-            ("basin", basin),
         ]
+        .into_iter()
+        .chain(end_of_cycles)
+        .chain([("limit cycle", cycle), ("basin", basin)])
         .map(|(what, value)| format!("{what:<18} {value}\n"))
-        .concat()
+        .collect()
     }
 }

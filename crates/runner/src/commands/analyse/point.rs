@@ -10,7 +10,7 @@ use stickslip_core::models::pad_on_disc::flexible_disc::linear_stability::Linear
 use stickslip_core::models::pad_on_disc::flexible_disc::mode_count::ModeCheck;
 use stickslip_core::models::pad_on_disc::parameters::SCALARS;
 use stickslip_core::models::pad_on_disc::rigid_disc::basin::Basin;
-use stickslip_core::models::pad_on_disc::rigid_disc::limit_cycle::LimitCycle;
+use stickslip_core::models::pad_on_disc::rigid_disc::limit_cycle::{CycleEnds, LimitCycle};
 use stickslip_core::models::pad_on_disc::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs, SlidingEquilibrium};
 use stickslip_core::models::pad_on_disc::rigid_disc::stability::SpeedRange;
 use stickslip_core::numerics::eigenvalues::{Eigenvalue, eigenvalues};
@@ -27,7 +27,8 @@ pub struct Analysis {
     pub coupled: Result<Coupled, FlexibleError>,
     pub disc_frequencies: Vec<f64>,
     pub unstable_speeds: Vec<SpeedRange>,
-    pub saddle_node: Option<f64>,
+    /// The end of stick-slip, and that of all limit cycles.
+    pub ends: CycleEnds,
     pub limit_cycle: Option<LimitCycle>,
     pub basin: Basin,
     pub critical_static_friction: f64,
@@ -61,7 +62,7 @@ impl Analysis {
             coupled,
             disc_frequencies: disc_frequencies(&brake),
             unstable_speeds: brake.unstable_speeds(),
-            saddle_node: brake.saddle_node_speed(),
+            ends: brake.cycle_ends(),
             limit_cycle: brake.limit_cycle(),
             basin: brake.basin(),
             critical_static_friction: boundary.critical_second(preload),
@@ -114,7 +115,8 @@ impl Analysis {
             },
             "critical_speed_rad_s": critical,
             "lower_critical_speed_rad_s": lower_critical,
-            "saddle_node_speed_rad_s": self.saddle_node,
+            "saddle_node_speed_rad_s": self.ends.stick_slip,
+            "end_of_cycles_rad_s": self.ends.any,
             "limit_cycle": self.limit_cycle.map(|cycle| json!({
                 "period": cycle.period,
                 "x_max": cycle.tangential_max,
@@ -154,7 +156,8 @@ impl Analysis {
             "disc_frequencies_hz": self.disc_frequencies,
             "critical_speed_m_s": in_m_s(critical),
             "lower_critical_speed_m_s": in_m_s(lower_critical),
-            "saddle_node_speed_m_s": in_m_s(self.saddle_node),
+            "saddle_node_speed_m_s": in_m_s(self.ends.stick_slip),
+            "end_of_cycles_m_s": in_m_s(self.ends.any),
             "basin_area_m2_s": self.basin.area().map(|area| scales.square_metres_per_second(area)),
             "critical_preload_mm": scales.millimetres(self.critical_preload),
             "critical_normal_force_n": self.brake.contact_force(self.critical_preload),

@@ -89,7 +89,7 @@ impl Analysis {
         text
     }
 
-    /// Where steady sliding and stick-slip begin and end.
+    /// Where steady sliding, stick-slip and limit cycles begin and end.
     fn limits_text(&self) -> String {
         let scales = self.brake.scales();
         let in_m_s = |rad_s: f64| speed(self.brake.speed_under_pad(rad_s));
@@ -112,28 +112,43 @@ impl Analysis {
                 })
                 .collect(),
         };
-        text += &match self.saddle_node {
-            None if self.limit_cycle.is_some() => "saddle-node        none: stick-slip at every speed\n".to_owned(),
-            None if !self.stable => "saddle-node        not found: the motion is too stiff for the method\n".to_owned(),
-            None => "saddle-node        none: no stick-slip limit cycle at any speed\n".to_owned(),
+        text += &match self.ends.stick_slip {
+            None if self.limit_cycle.is_some_and(|cycle| cycle.reaches_disc_speed) => {
+                "saddle-node        none: stick-slip at every speed\n".to_owned()
+            }
+            None if !self.stable && self.limit_cycle.is_none() => {
+                "saddle-node        not found: the motion is too stiff for the method\n".to_owned()
+            }
+            None => "saddle-node        none found\n".to_owned(),
             Some(speed) => format!(
                 "saddle-node        {speed:.4} rad/s, no stick-slip limit cycle above ({} under the pad)\n",
                 in_m_s(speed)
             ),
         };
+        if let Some(speed) = self.ends.without_sticking() {
+            text += &format!(
+                "end of cycles      {speed:.4} rad/s, no limit cycle above, with or without sticking ({} under the pad)\n",
+                in_m_s(speed)
+            );
+        }
         text += &match self.limit_cycle {
             None if !self.stable => "limit cycle        not found: the motion is too stiff for the method\n".to_owned(),
             None => "limit cycle        none at this speed\n".to_owned(),
             Some(cycle) => {
                 let (low, high) = (cycle.tangential_min, cycle.tangential_max);
                 let cycles = 1.0 / cycle.period;
+                let stick = if cycle.reaches_disc_speed {
+                    format!("{:.1} % of the period", 100.0 * cycle.stick_fraction)
+                } else {
+                    "none: a cycle without sticking".to_owned()
+                };
                 row(
                     "limit cycle, x",
                     &format!("{low:.6} to {high:.6}"),
                     &format!("{} mm", range(scales.millimetres(low), scales.millimetres(high))),
                 ) + &row("  period", &format!("{:.5}", cycle.period), &duration(scales.seconds(cycle.period)))
                     + &row("  frequency", &format!("{cycles:.4}"), &frequency(scales.hertz(cycles)))
-                    + &row("  stick", &format!("{:.1} % of the period", 100.0 * cycle.stick_fraction), "")
+                    + &row("  stick", &stick, "")
             }
         };
         text += &self.knock_text();

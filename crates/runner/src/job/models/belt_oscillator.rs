@@ -154,7 +154,7 @@ enum BeltRecord {
     /// Highest belt speed at which steady sliding is unstable, m/s; 0 where it is stable at every speed. With `kind =
     /// "eigenvalue"`.
     CriticalSpeed,
-    /// Half peak to peak of x over the stick-slip limit cycle, m. With `kind = "eigenvalue"`.
+    /// Half peak to peak of x over the limit cycle, with or without sticking, m. With `kind = "eigenvalue"`.
     CycleAmplitude,
     /// Frequency of that cycle, Hz. With `kind = "eigenvalue"`.
     CycleFrequency,

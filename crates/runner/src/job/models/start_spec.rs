@@ -19,7 +19,7 @@ pub enum StartKind {
     NearEquilibrium,
     /// At x = x' = 0, as the brake is applied: does it squeal?
     Rest,
-    /// At the release from stick: does stick-slip sustain itself?
+    /// At the release from stick: does stick-slip, or a cycle without sticking, sustain itself?
     LimitCycle,
 }
 

@@ -188,7 +188,7 @@ impl RigidMonitor {
         if self.verdict.is_some() {
             return;
         }
-        if let Some(cycle) = self.motion.limit_cycle() {
+        if let Some(cycle) = self.motion.stick_slip_cycle() {
             self.amplitude = 0.5 * (cycle.tangential_max - cycle.tangential_min);
             self.verdict = Some(Verdict::Unstable);
         } else {

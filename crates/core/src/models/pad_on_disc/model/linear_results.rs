@@ -8,7 +8,7 @@ use crate::models::pad_on_disc::rigid_disc::limit_cycle::LimitCycle;
 use crate::models::pad_on_disc::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
 use crate::numerics::eigenvalues::Eigenvalue;
 
-/// A figure of steady sliding, or of the stick-slip limit cycle about it.
+/// A figure of steady sliding, or of the limit cycle about it, with or without sticking.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LinearResult {
     /// The largest real part of the eigenvalues, 1/s.
@@ -87,20 +87,15 @@ impl LinearResult {
                 "critical speed",
                 "highest rotating speed at which steady sliding is unstable, 0 if it is stable at every speed",
             ),
-            Self::CycleAmplitude => (
-                "cycle_amplitude",
-                "m",
-                "limit cycle amplitude",
-                "half peak to peak of x over the stick-slip limit cycle",
-            ),
-            Self::CycleFrequency => {
-                ("cycle_frequency", "Hz", "limit cycle frequency", "that of the stick-slip limit cycle")
+            Self::CycleAmplitude => {
+                ("cycle_amplitude", "m", "limit cycle amplitude", "half peak to peak of x over the limit cycle")
             }
+            Self::CycleFrequency => ("cycle_frequency", "Hz", "limit cycle frequency", "that of the limit cycle"),
             Self::CycleVelocity => (
                 "cycle_velocity",
                 "m/s",
                 "limit cycle velocity",
-                "root mean square of x' over the stick-slip limit cycle; radiated power goes with its square",
+                "root mean square of x' over the limit cycle; radiated power goes with its square",
             ),
             Self::CriticalPreload => {
                 ("critical_preload", "1", "critical preload", "preload above which steady sliding is unstable")

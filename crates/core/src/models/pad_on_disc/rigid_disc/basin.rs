@@ -12,7 +12,8 @@
 //! | above | stable | every motion returns |
 //!
 //! With friction that is weak beside the disc's speed a motion may overtake the disc in every cycle instead of
-//! sticking; then read *the cycle outside* for *stick-slip*.
+//! sticking; then read *the cycle outside* for *stick-slip*. Likewise where friction is not convex and a cycle without
+//! sticking outlasts stick-slip: then every motion returns only above the end of all cycles.
 
 use crate::model::verdict::Verdict;
 use crate::models::pad_on_disc::rigid_disc::pad_on_disc::PadOnDisc;

@@ -1,4 +1,4 @@
-//! The velocity of the pad over a stick-slip limit cycle.
+//! The velocity of the pad over a limit cycle.
 
 use crate::models::pad_on_disc::rigid_disc::limit_cycle::LimitCycle;
 use crate::models::pad_on_disc::rigid_disc::pad_on_disc::PadOnDisc;
@@ -27,11 +27,19 @@ impl PadOnDisc {
     pub fn rms_velocity(&self, cycle: &LimitCycle) -> Option<f64> {
         let motion = self.planar_motion();
         let speed = motion.disc_speed;
-        let size = motion.size_of([cycle.tangential_max, 0.0]);
+        let size = if cycle.reaches_disc_speed {
+            motion.size_of([cycle.tangential_max, 0.0])
+        } else {
+            cycle.tangential_max - motion.equilibrium()
+        };
         // From the turning point on, where every cycle comes by.
         let turned = [cycle.tangential_max, 0.0];
         let back = motion.slip(turned, size);
         let mut square = motion.square_over(turned, back.duration, size)?;
+        if !cycle.reaches_disc_speed {
+            let is_closed = back.end == SlipEnd::Turned && (back.duration / cycle.period - 1.0).abs() < CLOSED;
+            return is_closed.then(|| (square / cycle.period).sqrt());
+        }
         let (mut duration, mut from) = (back.duration, back.x);
         if let Some(overtaking) = motion.overtaking_from(back.x) {
             let mirrored = PlanarMotion { disc_speed: -speed, ..motion };

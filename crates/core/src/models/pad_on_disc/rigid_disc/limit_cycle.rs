@@ -1,4 +1,4 @@
-//! Stick-slip of the pad on a rigid disc: the limit cycle and where it ends.
+//! Limit cycles of the pad on a rigid disc, with and without sticking, and where they end.
 //!
 //! With constant contact force N the tangential motion is that of a mass on a moving belt,
 //!
@@ -8,9 +8,13 @@
 //! ```
 //!
 //! Stick and slip are states with located ends, not a smoothed sign function: a switch at step ends chatters.
+//!
+//! Where the slip after a release does not come to the disc's speed again, its swings shrink. They come to rest, or to a
+//! cycle in which the pad slides all the time, which the module `return_map` finds.
 
 use crate::models::pad_on_disc::rigid_disc::pad_on_disc::PadOnDisc;
 use crate::models::pad_on_disc::rigid_disc::planar_motion::{PlanarMotion, SlipEnd};
+use crate::models::pad_on_disc::rigid_disc::return_map::{Fate, SlidingCycle};
 use crate::numerics::root_location::bisect;
 
 /// The highest admissible rotating speed, see `operating_point.rotating_speed`; the search for the saddle-node ends
@@ -23,7 +27,10 @@ const LOCATED: f64 = 1e-11;
 /// How often the search for such a cycle doubles its range.
 const MOST_DOUBLINGS: usize = 60;
 
-/// A stick-slip limit cycle, in scaled time and length.
+/// How far above a speed below which there are limit cycles, relative to it, there has to be one too if they go on.
+const BEYOND: f64 = 1e-6;
+
+/// A limit cycle, in scaled time and length.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LimitCycle {
     /// Duration of one cycle.
@@ -32,15 +39,35 @@ pub struct LimitCycle {
     pub tangential_max: f64,
     /// Smallest tangential displacement.
     pub tangential_min: f64,
-    /// Share of the period spent in stick; 0 where the pad overtakes the disc in every cycle instead.
+    /// Share of the period spent in stick; 0 where the pad overtakes the disc in every cycle instead, or slides all the
+    /// time.
     pub stick_fraction: f64,
+    /// Whether the pad comes to the disc's speed; otherwise it slides all the time, and the cycle is one without sticking.
+    pub reaches_disc_speed: bool,
+}
+
+/// The rotating speeds (rad/s) above which there are no limit cycles on a rigid disc; `None` where there are none at any
+/// speed, or some up to any speed, or where that is not resolved.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CycleEnds {
+    /// The end of stick-slip, [`PadOnDisc::saddle_node_speed`].
+    pub stick_slip: Option<f64>,
+    /// The end of all limit cycles, with and without sticking; the same where none goes on without sticking.
+    pub any: Option<f64>,
+}
+
+impl CycleEnds {
+    /// The end of all limit cycles, if there are some without sticking above the end of stick-slip.
+    #[must_use]
+    pub fn without_sticking(&self) -> Option<f64> {
+        self.any.filter(|&any| self.stick_slip.is_none_or(|stick_slip| stick_slip < any))
+    }
 }
 
 impl PadOnDisc {
-    /// The stick-slip limit cycle on a rigid disc with constant contact force, or `None` if there is none at this
-    /// operating point.
+    /// The limit cycle on a rigid disc with constant contact force, or `None` if there is none at this operating point.
     ///
-    /// The cycle is simulated from the release from stick: all motions that stick leave it at the same point, by the
+    /// Stick-slip is simulated from the release from stick: all motions that stick leave it at the same point, by the
     /// same slip phase. Accuracy some 1e-10 (Dormand-Prince 5(4), located ends; the pad's speed may touch the disc's
     /// between two steps). A slip phase that takes more than 20 000 steps, of a pad far lighter or more damped than any
     /// brake's, counts as not recaptured.
@@ -49,6 +76,9 @@ impl PadOnDisc {
     /// the pad when it reaches that speed: it overtakes the disc and falls back to its speed. Then it sticks, or slips
     /// at once and overtakes in every cycle; such a cycle is one too, without a stick. Of several it is the one next to
     /// the motion after a release.
+    ///
+    /// Where that motion does not come to the disc's speed again, it may come to a cycle in which the pad slides all the
+    /// time, with Stribeck exponents above 1 and measured curves. Of several it is the outermost one.
     #[must_use]
     pub fn limit_cycle(&self) -> Option<LimitCycle> {
         self.planar_motion().limit_cycle()
@@ -77,33 +107,104 @@ impl PadOnDisc {
     /// friction.
     #[must_use]
     pub fn saddle_node_speed(&self) -> Option<f64> {
-        let cycles = |speed: f64| {
-            let mut parameters = self.parameters().clone();
-            parameters.operating_point.rotating_speed = speed;
-            PadOnDisc::new(parameters).is_ok_and(|brake| brake.limit_cycle().is_some())
-        };
+        let cycles = |speed: f64| self.motion_at(speed).is_some_and(|motion| motion.stick_slip_cycle().is_some());
+        let scan = self.scanned_speeds();
+        // Falling speeds: the first one with a limit cycle lies below the saddle-node, the one before it above.
+        let first = scan.iter().position(|&speed| cycles(speed))?;
+        let (with, without) = bisect((scan[first], scan[first.checked_sub(1)?]), 1000, 1e-10, cycles);
+        Some(0.5 * (with + without))
+    }
+
+    /// Where limit cycles end: stick-slip, and all of them.
+    ///
+    /// A cycle without sticking vanishes where its swings meet those of an unstable cycle inside it: there the largest
+    /// change over a cycle passes 0. With Stribeck exponents up to 1 and the rational law none outlasts stick-slip. Elsewhere
+    /// it is looked for at the scanned speeds of [`PadOnDisc::saddle_node_speed`], just above the end of stick-slip, and
+    /// just above the critical speed, below which nothing comes to rest; a range of such cycles that begins elsewhere and
+    /// is narrower than a sixth of its speed may be missed.
+    #[must_use]
+    pub fn cycle_ends(&self) -> CycleEnds {
+        let stick_slip = self.saddle_node_speed();
+        let is_only = self.friction_law().is_completely_monotone();
+        CycleEnds { stick_slip, any: if is_only { stick_slip } else { self.end_of_cycles(stick_slip) } }
+    }
+
+    fn end_of_cycles(&self, end_of_stick_slip: Option<f64>) -> Option<f64> {
+        let cycles = |speed: f64| self.motion_at(speed).is_some_and(|motion| motion.has_limit_cycle());
+        let scan = self.scanned_speeds();
+        let found = scan.iter().copied().find(|&speed| cycles(speed)).unwrap_or(0.0);
+        let critical = self.unstable_speeds().last().map(|range| range.to);
+        let known = end_of_stick_slip.into_iter().chain(critical).fold(0.0, f64::max);
+        if known >= HIGHEST_SPEED {
+            return None;
+        }
+        let mut with = found;
+        if known > found {
+            with = known * (1.0 + BEYOND);
+            if !cycles(with) {
+                return self.is_resolved(with).then_some(known);
+            }
+        }
+        if with <= 0.0 {
+            return None;
+        }
+        let above = scan.iter().rev().copied().find(|&speed| speed > with)?;
+        let (with, without) = bisect((with, above), 1000, 1e-10, cycles);
+        let end = 0.5 * (with + without);
+        self.is_resolved(end * (1.0 + BEYOND)).then_some(end)
+    }
+
+    /// Whether it is known what a motion comes to after a release at another rotating speed (rad/s).
+    fn is_resolved(&self, rotating_speed: f64) -> bool {
+        self.motion_at(rotating_speed).is_none_or(|motion| motion.fate_of_release() != Fate::Unresolved)
+    }
+
+    /// The tangential motion at another rotating speed (rad/s), if that is admissible.
+    fn motion_at(&self, rotating_speed: f64) -> Option<PlanarMotion> {
+        let mut parameters = self.parameters().clone();
+        parameters.operating_point.rotating_speed = rotating_speed;
+        PadOnDisc::new(parameters).ok().map(|brake| brake.planar_motion())
+    }
+
+    /// The rotating speeds (rad/s) at which limit cycles are looked for, in falling order; none where friction is the
+    /// same at all speeds.
+    fn scanned_speeds(&self) -> Vec<f64> {
         let motion = self.planar_motion();
         let (drop, width) = motion.law.drop_and_width();
         let oscillation = self.rotating_speed(drop / motion.stiffness.sqrt());
         let stribeck = self.rotating_speed(width);
         if oscillation <= 0.0 {
-            return None;
+            return Vec::new();
         }
         let lowest = (1e-4 * oscillation.min(stribeck)).clamp(1e-5, HIGHEST_SPEED);
         let points = 1 + (15.0 * libm::log10(HIGHEST_SPEED / lowest)).ceil() as u32;
         let ratio = libm::pow(HIGHEST_SPEED / lowest, 1.0 / f64::from(points));
-        let scan: Vec<f64> =
-            (0..points).scan(HIGHEST_SPEED, |speed, _| Some(std::mem::replace(speed, *speed / ratio))).collect();
-        // Falling speeds: the first one with a limit cycle lies below the saddle-node, the one before it above.
-        let first = scan.iter().position(|&speed| cycles(speed))?;
-        let (with, without) = bisect((scan[first], scan[first.checked_sub(1)?]), 1000, 1e-10, cycles);
-        Some(0.5 * (with + without))
+        (0..points).scan(HIGHEST_SPEED, |speed, _| Some(std::mem::replace(speed, *speed / ratio))).collect()
     }
 }
 
 impl PlanarMotion {
     /// See [`PadOnDisc::limit_cycle`].
     pub fn limit_cycle(&self) -> Option<LimitCycle> {
+        self.stick_slip_cycle().or_else(|| {
+            let SlidingCycle { top, swing } = self.sliding_cycle()?;
+            Some(LimitCycle {
+                period: swing.duration,
+                tangential_max: top,
+                tangential_min: swing.smallest,
+                stick_fraction: 0.0,
+                reaches_disc_speed: false,
+            })
+        })
+    }
+
+    /// Whether some motions never come to rest. Where steady sliding is unstable, none does.
+    fn has_limit_cycle(&self) -> bool {
+        self.damping_at_equilibrium() < 0.0 || self.stick_slip_cycle().is_some() || self.has_sliding_cycle()
+    }
+
+    /// The limit cycle in which the pad comes to the disc's speed: it sticks, or overtakes the disc in every cycle.
+    pub fn stick_slip_cycle(&self) -> Option<LimitCycle> {
         if self.release() <= 0.0 {
             return None;
         }
@@ -162,7 +263,13 @@ impl Round {
     /// The limit cycle of this motion and a stick of this duration.
     fn closed_by(&self, stick: f64) -> LimitCycle {
         let period = self.duration + stick;
-        LimitCycle { period, tangential_max: self.max, tangential_min: self.min, stick_fraction: stick / period }
+        LimitCycle {
+            period,
+            tangential_max: self.max,
+            tangential_min: self.min,
+            stick_fraction: stick / period,
+            reaches_disc_speed: true,
+        }
     }
 }
 
@@ -270,6 +377,60 @@ mod tests {
             ]);
             let found = brake.saddle_node_speed().unwrap();
             assert!((found / speed - 1.0).abs() < 3e-10, "{exponent} {damping}: {found} {speed}");
+        }
+    }
+
+    /// A brake with exponent 2, by its tangential damping and its rotating speed.
+    fn gaussian(damping: f64, speed: f64) -> PadOnDisc {
+        PadOnDisc::preset_with(&[
+            ("friction.stribeck_exponent", 2.0),
+            ("damping.tangential", damping),
+            ("operating_point.rotating_speed", speed),
+        ])
+    }
+
+    #[test]
+    fn a_cycle_without_sticking_is_that_of_an_independent_integration() {
+        // Found outside the program, by event-accurate integration: amplitude 0.0020148 h, and the end between 7.32 and
+        // 7.33 rad/s. Further digits, and the period over that of the spring and the mass, are those of a classical
+        // Runge-Kutta method outside Rust, with 1700 and with 3500 steps a cycle.
+        let cycle = gaussian(3000.0, 7.0).limit_cycle().unwrap();
+        let amplitude = 0.5 * (cycle.tangential_max - cycle.tangential_min);
+        assert!((amplitude - 0.002_014_819_75).abs() < 1e-9, "{cycle:?}");
+        let frequency = gaussian(3000.0, 7.0).planar_motion().stiffness.sqrt();
+        assert!((frequency * cycle.period - 6.971_429_3).abs() < 1e-6, "{cycle:?}");
+        assert!(!cycle.reaches_disc_speed && cycle.stick_fraction == 0.0, "{cycle:?}");
+        // Up to 7.1 rad/s steady sliding is linearly unstable, from 7.2 rad/s on it is stable.
+        for (speed, is_one) in [(6.9, true), (7.32, true), (7.33, false), (8.0, false)] {
+            assert_eq!(gaussian(3000.0, speed).limit_cycle().is_some(), is_one, "{speed}");
+        }
+        let sticking = gaussian(3000.0, 6.8).limit_cycle().unwrap();
+        assert!(sticking.reaches_disc_speed && sticking.stick_fraction > 0.0, "{sticking:?}");
+    }
+
+    #[test]
+    #[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
+    fn limit_cycles_end_where_they_disappear_and_not_where_they_stop_sticking() {
+        // The same Runge-Kutta method: damping; the ends of stick-slip and of all cycles.
+        for (damping, stick_slip, any) in
+            [(2000.0, 9.2091, 9.25580), (2500.0, 7.9089, 8.10420), (3000.0, 6.8818, 7.32373)]
+        {
+            let ends = gaussian(damping, 7.0).cycle_ends();
+            assert!((ends.stick_slip.unwrap() / stick_slip - 1.0).abs() < 1e-4, "{damping}: {ends:?}");
+            assert!((ends.any.unwrap() / any - 1.0).abs() < 1e-5, "{damping}: {ends:?}");
+        }
+        // With less damping no cycle outlasts stick-slip.
+        for damping in [369.0, 1500.0] {
+            let ends = gaussian(damping, 7.0).cycle_ends();
+            assert!(ends.stick_slip.is_some() && ends.any == ends.stick_slip, "{damping}: {ends:?}");
+        }
+    }
+
+    #[test]
+    fn up_to_exponent_one_all_limit_cycles_end_with_stick_slip() {
+        for exponent in [0.7, 1.0] {
+            let ends = PadOnDisc::preset_with(&[("friction.stribeck_exponent", exponent)]).cycle_ends();
+            assert!(ends.stick_slip.is_some() && ends.any == ends.stick_slip, "{exponent}: {ends:?}");
         }
     }
 

@@ -1,4 +1,4 @@
-//! The pad on a rigid disc: steady sliding, its stability in closed form, the limit cycle of stick-slip,
+//! The pad on a rigid disc: steady sliding, its stability in closed form, limit cycles,
 //! and which motions return to steady sliding.
 
 pub mod pad_on_disc;

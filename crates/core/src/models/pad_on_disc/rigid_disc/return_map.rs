@@ -47,6 +47,13 @@ const BESIDE: f64 = 1e-6;
 /// it too.
 const LINEAR: f64 = 0.01;
 
+/// A limit cycle without sticking: its largest x, and the swing from there to there.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct SlidingCycle {
+    pub top: f64,
+    pub swing: Slip,
+}
+
 /// What happens to a motion whose swings shrink, or grow.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Fate {
@@ -202,13 +209,43 @@ impl PlanarMotion {
     /// What a fate ends in: a cycle with its amplitude, or capture.
     pub fn settles(&self, fate: Fate) -> Fate {
         match fate {
-            Fate::Grows { from } => self.fate_of_growing(from),
-            Fate::Trapped { inner, outer } => self.cycle_between(inner, outer),
+            Fate::Grows { from } => self.settles(self.fate_of_growing(from)),
+            Fate::Trapped { inner, outer } => {
+                let cycle = self.cycle_between(inner, outer);
+                Fate::SmoothCycle { amplitude: 0.5 * (cycle.top - cycle.swing.smallest) }
+            }
             settled => settled,
         }
     }
 
-    /// The fate of a motion that grows at the amplitude `a`.
+    /// The limit cycle without sticking that the motion after a release comes to; `None` if it comes to something else, or
+    /// is not resolved.
+    ///
+    /// The cycle is the outermost of its kind: at its release a motion has the disc's speed, so all of them lie inside it.
+    pub fn sliding_cycle(&self) -> Option<SlidingCycle> {
+        let (inner, outer) = self.trap_of_release()?;
+        let cycle = self.cycle_between(inner, outer);
+        (cycle.swing.end == SlipEnd::Turned).then_some(cycle)
+    }
+
+    /// Whether the motion after a release comes to a limit cycle without sticking. One that only creeps past amplitudes at which a cycle has vanished does not count: the
+    /// largest change among them decides.
+    pub fn has_sliding_cycle(&self) -> bool {
+        self.trap_of_release().is_some()
+    }
+
+    /// The amplitudes between which that cycle lies.
+    fn trap_of_release(&self) -> Option<(f64, f64)> {
+        if self.has_no_inner_cycle() {
+            return None;
+        }
+        match self.fate_of_release() {
+            Fate::Trapped { inner, outer } => Some((inner, outer)),
+            _ => None,
+        }
+    }
+
+    /// The fate of a motion that grows at the amplitude `a`: captured, or trapped between two amplitudes.
     fn fate_of_growing(&self, a: f64) -> Fate {
         let mut inner = a;
         for _ in 0..MOST_SCANNED {
@@ -216,7 +253,7 @@ impl PlanarMotion {
             match self.change(outer) {
                 f64::INFINITY => return Fate::Captured,
                 change if change > 0.0 => inner = outer,
-                change if change <= 0.0 => return self.cycle_between(inner, outer),
+                change if change <= 0.0 => return Fate::Trapped { inner, outer },
                 _ => break,
             }
         }
@@ -224,10 +261,9 @@ impl PlanarMotion {
     }
 
     /// The limit cycle between an amplitude at which swings grow and one at which they shrink.
-    fn cycle_between(&self, inner: f64, outer: f64) -> Fate {
+    fn cycle_between(&self, inner: f64, outer: f64) -> SlidingCycle {
         let (low, _) = bisect((inner, outer), 60, 0.0, |a| self.change(a) >= 0.0);
-        let swing = self.swing(low);
-        Fate::SmoothCycle { amplitude: 0.5 * (self.equilibrium() + low - swing.smallest) }
+        SlidingCycle { top: self.equilibrium() + low, swing: self.swing(low) }
     }
 }
 

@@ -211,7 +211,7 @@ pub enum Record {
     /// Highest rotating speed at which steady sliding is unstable, rad/s; 0 where it is stable at every speed. With `kind
     /// = "eigenvalue"`.
     CriticalSpeed,
-    /// Half peak to peak of x over the stick-slip limit cycle, m. With `kind = "eigenvalue"`.
+    /// Half peak to peak of x over the limit cycle, with or without sticking, m. With `kind = "eigenvalue"`.
     CycleAmplitude,
     /// Frequency of that cycle, Hz. With `kind = "eigenvalue"`.
     CycleFrequency,
