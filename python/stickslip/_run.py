@@ -234,6 +234,7 @@ class Run:
             "samples",
             "convergence",
             "distribution",
+            "friction",
         ]
         | None = None,
         cell: int | None = None,

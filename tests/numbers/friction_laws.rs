@@ -4,7 +4,7 @@
 
 use std::fs;
 
-use crate::common::Place;
+use crate::common::{Place, repository};
 
 const CURVE: &str = "speed,coefficient,std\n0,0.45,0.02\n0.2,0.38,0.02\n1,0.26,0.01\n3,0.24,0.01\n8,0.29,0.02\n";
 
@@ -185,4 +185,156 @@ fn one_point_takes_any_law() {
     place.run("analyse --set friction.law=table").refused(64, &["friction.table=FILE"]);
     place.run("analyse --set friction.law=tabel").refused(64, &["did you mean \"table\"?"]);
     place.run("analyse --set friction.law=rational --set friction.band=1").refused(64, &["friction.band belongs to"]);
+}
+
+/// A place with the noisy curve of `tests/data/friction` and its job.
+fn noisy() -> Place {
+    let place = Place::new();
+    for file in ["noisy-curve.csv", "noisy-curve.toml"] {
+        fs::copy(repository().join("tests/data/friction").join(file), place.path(file)).unwrap();
+    }
+    place
+}
+
+#[test]
+fn a_noisy_curve_is_warned_of_with_the_ranges_that_the_grid_does_not_show() {
+    let place = noisy();
+    let checked = place.run("check noisy-curve.toml").done();
+    assert!(
+        checked.stdout.contains(
+            "# friction curve: 40 rows from 0 to 1.950 m/s; from row to row it falls 11 times and rises 10 times\n# steady \
+             sliding with the other values of cell 9: unstable at belt_speed 0 to 0."
+        ),
+        "{}",
+        checked.stdout
+    );
+    let submitted = place.run("submit noisy-curve.toml --samples 1000").done();
+    let analysed = place.run("analyse --job noisy-curve.toml").done();
+    assert!(analysed.stdout.contains("friction curve     40 rows from 0 to 1.950 m/s; "), "{}", analysed.stdout);
+    for said in [checked.stderr, submitted.stderr, analysed.stderr] {
+        for text in [
+            "friction.table falls 11 times and rises 10 times between its 40 rows, which is probably noise",
+            "unstable in 7 ranges of speed between two values of axes.belt_speed, so that no cell shows them: 0.80",
+        ] {
+            assert!(said.contains(text), "{text:?} is not in: {said}");
+        }
+        assert_eq!(said.matches("warning: ").count(), 2, "{said}");
+    }
+}
+
+#[test]
+fn a_curve_in_millimetres_and_negative_friction_are_warned_of() {
+    let place = Place::new();
+    let checked = |curve: &str, scatter: &str| {
+        place.write("curve.csv", curve);
+        let text = job("law = \"table\"\ntable = \"curve.csv\"");
+        place.write("job.toml", &text.replace("relative_std = 0.2", scatter));
+        place.run("check job.toml")
+    };
+    let scatter = "relative_std = 0.2";
+    assert!(!checked(CURVE, scatter).done().stderr.contains("not plausible"));
+    for (curve, text) in [
+        ("speed,coefficient\n0,0.45\n200,0.4\n900,0.3\n", "reaches 900.0 m/s"),
+        ("speed,coefficient\n0,0.45\n5,0.4\n20,0.3\n", "did you mean 0.005000 m/s (5.000 mm/s)?"),
+    ] {
+        let said = checked(curve, scatter).done().stderr;
+        assert!(said.contains("warning: friction.table is not plausible: ") && said.contains(text), "{said}");
+    }
+    checked("speed,coefficient\n0,0.45\n1500,0.3\n", scatter)
+        .refused(65, &["curve.csv:3", "speed = 1500 is out of range", "did you mean 1.500 m/s (1500 mm/s)?"]);
+    let said = checked(CURVE, "relative_std = 1").done().stderr;
+    for text in ["static_friction = 1 is not plausible: 15.9 % of its values are negative", "\"lognormal\""] {
+        assert!(said.contains(text), "{text:?} is not in: {said}");
+    }
+}
+
+/// The job on the noisy curve, smoothed.
+fn smoothed(place: &Place) -> String {
+    let text = fs::read_to_string(place.path("noisy-curve.toml")).unwrap();
+    let table = "table = \"noisy-curve.csv\"";
+    assert!(text.contains(table), "{text}");
+    text.replace(table, &format!("{table}\nsmoothing = \"spline\""))
+}
+
+#[test]
+fn a_smoothed_curve_is_unstable_in_one_range_and_says_its_residual() {
+    let place = noisy();
+    place.write("smooth.toml", &smoothed(&place));
+    let checked = place.run("check smooth.toml").done();
+    assert!(!checked.stderr.contains("warning: "), "{}", checked.stderr);
+    let residual = "smoothed by a spline with 5.2 free parameters, from which they differ by 0.006166 (root mean square); from row to \
+                    row it falls once and rises never";
+    for text in [residual, "unstable at belt_speed 0 to 0.7"] {
+        assert!(checked.stdout.contains(text), "{text:?} is not in: {}", checked.stdout);
+    }
+    let analysed = place.run("analyse --job smooth.toml").done();
+    assert!(analysed.stdout.contains(residual), "{}", analysed.stdout);
+    let json: serde_json::Value =
+        serde_json::from_str(&place.run("analyse --job smooth.toml --json").done().stdout).unwrap();
+    let ranges: Vec<[f64; 2]> = serde_json::from_value(json["unstable_speeds"].clone()).unwrap();
+    // A program in Python found 0.724.
+    assert!(ranges.len() == 1 && ranges[0][0] == 0.0 && (ranges[0][1] - 0.724).abs() < 0.002, "{ranges:?}");
+}
+
+#[test]
+fn a_run_with_a_smoothed_curve_keeps_the_rows_as_measured() {
+    let place = noisy();
+    place.write("smooth.toml", &smoothed(&place));
+    place.run("submit smooth.toml --samples 1000 --out run").done();
+    let frozen = fs::read_to_string(place.path("run/job.toml")).unwrap();
+    assert!(frozen.contains("0.494, 0.4525, 0.4381") && frozen.contains("smoothing = \"spline\""), "{frozen}");
+    // The job with every default is the same job; without the smoothing it is another one.
+    let written = place.run("check --all run/job.toml").done().stdout;
+    assert!(written.contains("0.494, 0.4525") && written.contains("smoothing = \"spline\""), "{written}");
+    fs::remove_file(place.path("noisy-curve.csv")).unwrap();
+    place.write("written.toml", &written);
+    let said = place.run("submit written.toml --out run").done();
+    assert!(said.stderr.contains("already") || said.stdout.contains("already"), "{} {}", said.stdout, said.stderr);
+    place.write("rough.toml", &written.replace("smoothing = \"spline\"\n", ""));
+    place.run("submit rough.toml --out run").refused(65, &[]);
+}
+
+#[test]
+fn rows_and_smoothed_curve_are_drawn() {
+    let place = noisy();
+    place.write("smooth.toml", &smoothed(&place));
+    let drawn = place.run("plot smooth.toml --of friction").done().stdout;
+    assert_eq!(drawn, "smooth-friction.svg\nsmooth-friction.png\n");
+    let svg = fs::read_to_string(place.path("smooth-friction.svg")).unwrap();
+    for text in [">rows of the table<", ">curve of the model<", ">steady sliding is unstable<", "0.006166"] {
+        assert!(svg.contains(text), "{text:?} is not in the picture");
+    }
+    place.run("submit smooth.toml --samples 1000 --out run").done();
+    place.run("report run").done();
+    let report = fs::read_to_string(place.path("run/report.html")).unwrap();
+    assert!(report.contains("<h2 id=\"friction-heading\">Measured friction</h2>"));
+    place.write("stribeck.toml", &job("viscous = 0.0"));
+    place
+        .run("plot stribeck.toml --of friction")
+        .refused(65, &["\"law\" has no measured friction curve", "law = \"table\""]);
+}
+
+#[test]
+fn a_smoothing_that_cannot_be_is_refused() {
+    let place = noisy();
+    place.write("curve.csv", "speed,coefficient\n0,0.4\n1,0.3\n2,0.25\n3,0.25\n");
+    for (friction, texts) in [
+        ("smoothing = \"spline\"", &["job.toml:4:13", "model.friction.smoothing belongs to law = \"table\""][..]),
+        ("law = \"table\"\ntable = \"curve.csv\"\nsmoothing = \"spline\"", &["curve.csv", "at least 5 rows", "has 4"]),
+        ("law = \"table\"\ntable = \"noisy-curve.csv\"\nsmoothing = \"splin\"", &["job.toml:6:13", "splin"]),
+    ] {
+        place.write("job.toml", &job(friction));
+        place.run("check job.toml").refused(65, texts);
+    }
+    let set = "--set friction.table=noisy-curve.csv --set friction.smoothing=spline";
+    let listed = place.run(&format!("parameters {set}")).done().stdout;
+    assert!(listed.contains(" spline*") && listed.contains(" 40 rows*"), "{listed}");
+    let analysed = place.run(&format!("analyse {set}")).done().stdout;
+    assert!(analysed.contains("friction curve     40 rows from 0 to 1.950 m/s, smoothed by a spline"), "{analysed}");
+    for (set, text) in [
+        ("friction.smoothing=spline", "friction.smoothing belongs to law = \"table\""),
+        ("friction.table=noisy-curve.csv --set friction.smoothing=loess", "there is no smoothing \"loess\""),
+    ] {
+        place.run(&format!("analyse --set {set}")).refused(64, &[text]);
+    }
 }

@@ -201,6 +201,13 @@ impl Grid {
         self.radices().try_fold(1u64, |product, (_, length)| product.checked_mul(length))
     }
 
+    /// The cell in the middle of every axis, of two the one before; `None` if there are more cells than 64 bits count.
+    #[must_use]
+    pub fn middle(&self) -> Option<u64> {
+        self.checked_len()?;
+        Some(self.radices().fold(0, |index, (_, length)| index * length + (length - 1) / 2))
+    }
+
     /// The number of values on each axis and on that of scatter, slowest first.
     #[must_use]
     pub fn lengths(&self) -> Vec<u64> {

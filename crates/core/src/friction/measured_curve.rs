@@ -6,6 +6,7 @@ use std::sync::{Mutex, PoisonError};
 use thiserror::Error;
 
 use crate::numerics::monotone_cubic::monotone_slopes;
+use crate::numerics::smoothing_spline::SmoothingSpline;
 
 /// Largest number of rows.
 pub const MOST_ROWS: usize = 1000;
@@ -17,6 +18,9 @@ pub const LARGEST_COEFFICIENT: f64 = 5.0;
 
 /// Least distance of two speeds, relative to the higher one.
 pub const LEAST_GAP: f64 = 1e-4;
+
+/// Least number of rows of a curve that is smoothed.
+pub const LEAST_SMOOTHED: usize = 5;
 
 /// Places for rows in the arrays of a curve: a power of two, so that a mask keeps any index inside.
 const PLACES: usize = 1024;
@@ -31,6 +35,14 @@ pub enum CurveError {
         "a friction curve needs at least two rows, and this one has {rows}; give the coefficient at two or more speeds"
     )]
     TooFewRows {
+        /// How many there are.
+        rows: usize,
+    },
+    /// Fewer than [`LEAST_SMOOTHED`] rows of a curve that is to be smoothed.
+    #[error(
+        "a friction curve that is smoothed needs at least {LEAST_SMOOTHED} rows, and this one has {rows}; give the coefficient at more speeds, or leave the smoothing out"
+    )]
+    TooFewToSmooth {
         /// How many there are.
         rows: usize,
     },
@@ -95,6 +107,19 @@ pub enum CurveError {
     NothingAtRest,
 }
 
+/// What a smoothed curve was made of.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Smoothing {
+    /// The coefficients as measured.
+    pub coefficients: Vec<f64>,
+    /// Their standard deviations, if they were measured.
+    pub deviations: Option<Vec<f64>>,
+    /// Root mean square of what the coefficients differ by from the curve.
+    pub residual: f64,
+    /// The number of free parameters of the curve, from 2 of a straight line up to that of its rows.
+    pub parameters: f64,
+}
+
 /// A friction curve as measured: coefficients, and perhaps their standard deviations, at some sliding speeds.
 ///
 /// Between the rows it is interpolated by piecewise cubics that are monotone where the rows are (Fritsch and Carlson's
@@ -111,8 +136,10 @@ pub enum CurveError {
 #[derive(Debug, PartialEq)]
 pub struct MeasuredCurve {
     speeds: Vec<f64>,
+    /// Those that the curve goes through: of a smoothed one not as measured.
     coefficients: Vec<f64>,
     deviations: Option<Vec<f64>>,
+    smoothing: Option<Smoothing>,
     /// T / T(0).
     shape: Cubics,
     /// S.
@@ -138,10 +165,60 @@ impl MeasuredCurve {
             speeds: speeds.to_vec(),
             coefficients: coefficients.to_vec(),
             deviations: deviations.map(<[f64]>::to_vec),
+            smoothing: None,
             shape: Cubics::new(speeds, &shape),
             deviation: Cubics::new(speeds, deviations.unwrap_or(&zero)),
             index: SpeedIndex::new(speeds),
         })
+    }
+
+    /// The same through rows that are smoothed first, so that their noise makes no slopes.
+    ///
+    /// The coefficients become those of a cubic smoothing spline over the root of the speed, on which friction bends about
+    /// as much near rest as far from it. How smooth it is follows from the rows by generalised cross-validation. The
+    /// standard deviations are smoothed as much. What is below 0 then becomes 0.
+    ///
+    /// ```
+    /// use stickslip_core::friction::measured_curve::MeasuredCurve;
+    /// let speeds = [0.0, 0.5, 1.0, 1.5, 2.0, 2.5];
+    /// let curve = MeasuredCurve::smoothed(&speeds, &[0.45, 0.36, 0.34, 0.29, 0.30, 0.27], None)?;
+    /// assert_eq!(curve.falls_and_rises(), [1, 0]);
+    /// assert!(curve.smoothing().is_some_and(|smoothing| smoothing.residual < 0.02));
+    /// # Ok::<(), stickslip_core::friction::measured_curve::CurveError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`MeasuredCurve::new`], and if there are too few rows.
+    pub fn smoothed(speeds: &[f64], coefficients: &[f64], deviations: Option<&[f64]>) -> Result<Self, CurveError> {
+        check_columns(speeds, coefficients, deviations)?;
+        let rows = speeds.len();
+        if rows < LEAST_SMOOTHED {
+            return Err(CurveError::TooFewToSmooth { rows });
+        }
+        let roots: Vec<f64> = speeds.iter().map(|speed| speed.sqrt()).collect();
+        let spline = SmoothingSpline::new(&roots);
+        let softness = spline.best_softness(coefficients);
+        let smooth = |values: &[f64]| -> Vec<f64> {
+            let smoothed = spline.smoothed(values, softness).into_iter();
+            smoothed.map(|value| value.clamp(0.0, LARGEST_COEFFICIENT)).collect()
+        };
+        let fitted = smooth(coefficients);
+        let curve = Self::new(speeds, &fitted, deviations.map(smooth).as_deref())?;
+        let differences = coefficients.iter().zip(&fitted).map(|(measured, fitted)| measured - fitted);
+        let squares = differences.map(|difference| difference * difference);
+        let smoothing = Smoothing {
+            coefficients: coefficients.to_vec(),
+            deviations: deviations.map(<[f64]>::to_vec),
+            residual: (squares.sum::<f64>() / rows as f64).sqrt(),
+            parameters: spline.parameters(softness),
+        };
+        Ok(Self { smoothing: Some(smoothing), ..curve })
+    }
+
+    /// What a smoothed curve was made of.
+    #[must_use]
+    pub fn smoothing(&self) -> Option<&Smoothing> {
+        self.smoothing.as_ref()
     }
 
     /// Speeds of the rows, m/s.
@@ -150,13 +227,13 @@ impl MeasuredCurve {
         &self.speeds
     }
 
-    /// Coefficients of the rows.
+    /// Coefficients of the rows that the curve goes through.
     #[must_use]
     pub fn coefficients(&self) -> &[f64] {
         &self.coefficients
     }
 
-    /// Standard deviations of the rows, if they were measured.
+    /// Standard deviations of the rows that the curve goes through, if they were measured.
     #[must_use]
     pub fn deviations(&self) -> Option<&[f64]> {
         self.deviations.as_deref()
@@ -166,6 +243,21 @@ impl MeasuredCurve {
     #[must_use]
     pub fn at_rest(&self) -> f64 {
         self.coefficients[0]
+    }
+
+    /// In how many ranges of speed it falls from row to row, and in how many it rises. Rows of one coefficient end none.
+    #[must_use]
+    pub fn falls_and_rises(&self) -> [usize; 2] {
+        let mut counts = [0, 0];
+        let mut before = None;
+        for pair in self.coefficients.windows(2).filter(|pair| pair[0] != pair[1]) {
+            let rises = pair[1] > pair[0];
+            if before != Some(rises) {
+                counts[usize::from(rises)] += 1;
+            }
+            before = Some(rises);
+        }
+        counts
     }
 
     /// T at a sliding speed (either sign), m/s.

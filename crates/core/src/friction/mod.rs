@@ -15,7 +15,7 @@
 //!
 //! | module | contents |
 //! |---|---|
-//! | [`measured_curve`] | a measured curve and its monotone interpolation |
+//! | [`measured_curve`] | a measured curve, its smoothing and its monotone interpolation |
 //! | `shape` | a and b as integration steps evaluate them, one by one or in lanes |
 //! | [`law`] | a law with its coefficients: value, slope, where it is steepest |
 

@@ -6,6 +6,8 @@ pub(crate) mod logarithm;
 
 pub(crate) mod monotone_cubic;
 
+pub(crate) mod smoothing_spline;
+
 pub mod eigenvalues;
 
 pub(crate) mod fixed_point;

@@ -10,8 +10,8 @@ use super::values::{axis_value, plot_file, probability, seconds, whole_number};
 /// Arguments of `plot`.
 #[derive(Debug, Args)]
 pub struct PlotArguments {
-    /// The run directory, a job to see its random inputs or with --of its samples and modes, or a time series that
-    /// trajectory or replay wrote
+    /// The run directory, a job to see its random inputs or with --of its samples, modes and measured friction, or a time
+    /// series that trajectory or replay wrote
     #[arg(value_name = "RUN_DIR|JOB.toml|FILE.parquet")]
     pub run: PathBuf,
     /// What of the run to draw
@@ -87,4 +87,6 @@ pub enum PlotQuantity {
     Convergence,
     /// The distribution of a recorded result: its quantiles over an axis, or of one cell
     Distribution,
+    /// The measured friction curve: its rows, the curve of the model, and where steady sliding is unstable; needs no run
+    Friction,
 }

@@ -14,7 +14,7 @@ use stickslip_sampler::grid::Cell;
 
 use crate::cli::BrakeArguments;
 use crate::failure::Failure;
-use crate::job::friction::{LawSpec, check_band, read_curve};
+use crate::job::friction::{LawSpec, SmoothingSpec, check_band, read_curve};
 use crate::job::models::pad_on_disc::keys::parameter_of_axis;
 use crate::job::models::pad_on_disc::preload_force::{self, PRELOAD};
 use crate::job::{Job, JobSource, plausibility, unknown_parameter};
@@ -139,7 +139,7 @@ fn changed(mut parameters: Parameters, changes: &[String]) -> Result<PadOnDisc, 
             return Err(refused(format!("{key} is set a second time, after {key}={before}; leave one of the two out")));
         }
         changed.push((key, value));
-        if key == "friction.law" || key == "friction.table" {
+        if ["friction.law", "friction.table", "friction.smoothing"].contains(&key) {
             continue;
         }
         let number: f64 = value.parse().map_err(|_| refused(not_a_number(value)))?;
@@ -167,12 +167,13 @@ fn changed(mut parameters: Parameters, changes: &[String]) -> Result<PadOnDisc, 
     Ok(brake)
 }
 
-/// Applies `friction.law` and `friction.table` of the changes, and refuses values of other laws. A table changes the
+/// Applies `friction.law`, `friction.table` and `friction.smoothing` of the changes, and refuses values of other laws. A table changes the
 /// static friction coefficient to its own unless that is set too.
 fn use_law(changed: &[(&str, &str)], parameters: &mut Parameters) -> Result<(), Failure> {
     let value = |wanted: &str| changed.iter().find(|(key, _)| *key == wanted).map(|(_, value)| *value);
     let refused = |message: String| Failure::Usage(format!("--set: {message}"));
     let (law, file) = (value("friction.law"), value("friction.table"));
+    let smoothing = value("friction.smoothing").map(SmoothingSpec::from_name).transpose().map_err(refused)?;
     let given = law.map(LawSpec::from_name).transpose().map_err(refused)?;
     let before = LawSpec::from(&parameters.friction.law);
     let law = given.unwrap_or(if file.is_some() { LawSpec::Table } else { before });
@@ -184,13 +185,18 @@ fn use_law(changed: &[(&str, &str)], parameters: &mut Parameters) -> Result<(), 
     match (law, file) {
         (LawSpec::Stribeck, _) => friction.law = LawKind::Stribeck,
         (LawSpec::Rational, _) => friction.law = LawKind::Rational,
+        (LawSpec::Table, None) if before == LawSpec::Table && smoothing.is_some() => {
+            let message = "friction.smoothing smooths a curve that is read with it: --set friction.table=FILE; or give the job smoothing = \"spline\" in [model.friction]";
+            return Err(refused(message.to_owned()));
+        }
         (LawSpec::Table, None) if before == LawSpec::Table => {}
         (LawSpec::Table, None) => {
             return Err(refused("friction.law=table needs the measured curve: --set friction.table=FILE".to_owned()));
         }
         (LawSpec::Table, Some(file)) => {
             let set = value("friction.static_coefficient").map(|_| friction.static_coefficient);
-            let curve = read_curve(Path::new(file)).map_err(|error| refused(format!("friction.table: {error}")))?;
+            let curve = read_curve(Path::new(file), smoothing);
+            let curve = curve.map_err(|error| refused(format!("friction.table: {error}")))?;
             friction.use_table(curve);
             friction.static_coefficient = set.unwrap_or(friction.static_coefficient);
         }

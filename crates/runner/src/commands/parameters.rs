@@ -9,7 +9,7 @@ use stickslip_core::models::pad_on_disc::parameters::{Parameters, SCALARS, Scala
 use super::one_brake::changed_preset;
 use crate::cli::ParametersArguments;
 use crate::failure::Failure;
-use crate::job::friction::{CurveColumns, LAWS};
+use crate::job::friction::{CurveColumns, LAWS, SPLINE};
 use crate::job::models::pad_on_disc::preload_force;
 use crate::output::{broken, result};
 use crate::picture::view::rounded;
@@ -18,13 +18,15 @@ use crate::picture::view::rounded;
 const WIDTH: usize = 100;
 const COLUMNS: [usize; 5] = [30, 6, 9, 11, 9];
 
-/// What the two keys of friction are that have no number.
+/// What the keys of friction are that have no number.
 const LAW: &str = "friction law: stribeck, rational or table";
 const TABLE: &str = "measured curve of the law table, a CSV file";
+const SMOOTHING: &str = "smoothing of the measured curve: spline";
 
 /// The keys that `--set` takes.
 pub fn keys() -> impl Iterator<Item = &'static str> {
-    SCALARS.iter().map(|scalar| scalar.key).chain([preload_force::KEY, "friction.law", "friction.table"])
+    let others = [preload_force::KEY, "friction.law", "friction.table", "friction.smoothing"];
+    SCALARS.iter().map(|scalar| scalar.key).chain(others)
 }
 
 /// `stickslip parameters`.
@@ -61,7 +63,17 @@ fn as_json(values: &Parameters) -> Value {
             "value": law.table().map(|curve| json!(CurveColumns::from(&**curve))),
             "description": TABLE,
         },
+        "friction.smoothing": {
+            "preset": null,
+            "value": is_smoothed(values).then_some(SPLINE),
+            "description": SMOOTHING,
+        },
     })
+}
+
+/// Whether friction is a measured curve that is smoothed.
+fn is_smoothed(values: &Parameters) -> bool {
+    values.friction.law.table().is_some_and(|curve| curve.smoothing().is_some())
 }
 
 /// A table of one section after the other.
@@ -85,6 +97,9 @@ fn as_text(values: &Parameters) -> String {
                 let name = marked(law.name().to_owned(), *law != preset.friction.law);
                 text += &row(["friction.law", "", "", "", &name], LAW);
                 text += &row(["friction.table", "", "", "", &marked(rows, law.table().is_some())], TABLE);
+                let is_smoothed = is_smoothed(values);
+                let smoothing = marked(if is_smoothed { SPLINE } else { "none" }.to_owned(), is_smoothed);
+                text += &row(["friction.smoothing", "", "", "", &smoothing], SMOOTHING);
             }
         }
         let value = scalar.value(values);

@@ -69,7 +69,11 @@ fn is_of_modes(of: PlotQuantity) -> bool {
 /// Whether a plot shows one cell of a job. Of a job alone there are its inputs to see, if nothing else is asked for.
 fn is_of_a_cell(arguments: &PlotArguments) -> bool {
     match arguments.of {
-        PlotQuantity::Inputs | PlotQuantity::Samples | PlotQuantity::Convergence | PlotQuantity::Distribution => true,
+        PlotQuantity::Inputs
+        | PlotQuantity::Samples
+        | PlotQuantity::Convergence
+        | PlotQuantity::Distribution
+        | PlotQuantity::Friction => true,
         PlotQuantity::Probability => arguments.against.is_none() && is_job(&arguments.run),
         _ => false,
     }
@@ -120,7 +124,7 @@ fn check(arguments: &PlotArguments) -> Result<(), Failure> {
         (
             arguments.cell.is_some(),
             is_of(&[PlotQuantity::Sobol]) || is_of_modes || of_a_cell,
-            "--cell chooses the cell of --of sobol, modes, squeal-frequencies, inputs, samples, convergence and distribution; other plots show all cells",
+            "--cell chooses the cell of --of sobol, modes, squeal-frequencies, inputs, samples, convergence, distribution and friction; other plots show all cells",
         ),
         (
             !arguments.at.is_empty(),
@@ -135,7 +139,7 @@ fn check(arguments: &PlotArguments) -> Result<(), Failure> {
         (
             arguments.title.is_some(),
             is_of_run || is_motion || has_heading,
-            "--title is for the probability of a run, for --against, motions, samples, convergence and distribution; leave it out",
+            "--title is for the probability of a run, for --against, motions, samples, convergence, distribution and friction; leave it out",
         ),
         (
             arguments.from.or(arguments.to).is_some(),

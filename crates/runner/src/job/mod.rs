@@ -76,7 +76,7 @@ pub use method::{Answer, Computed, MapUse, Sampling};
 pub use model::OutsidePhysics;
 pub use models::matrices::terms::{with_full_matrices, with_reduced_matrices};
 pub use models::pad_on_disc::keys::unknown_parameter;
-pub use models::pad_on_disc::{friction, plausibility};
+pub use models::pad_on_disc::{friction, measured_friction, plausibility};
 pub use models::schema;
 pub use models::start_spec::StartKind;
 pub use sampling_numbers::Effort;

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use schemars::{Schema, SchemaGenerator};
 use serde::{Deserialize, Serialize};
+use stickslip_core::friction::measured_curve::SharedCurve;
 use stickslip_core::model::quantity::Quantity;
 use stickslip_core::model::{Model, ModelError};
 use stickslip_core::models::matrices::model::MatrixModel;
@@ -84,6 +85,13 @@ pub trait JobModel: Debug + Send + Sync {
         None
     }
 
+    /// The measured friction curve, with the speeds at which steady sliding is unstable with these values of all quantities;
+    /// `None` of another friction law.
+    fn friction_curve(&self, expected: &[f64]) -> Option<FrictionCurve> {
+        let _ = expected;
+        None
+    }
+
     /// The model given by matrices, for what is about its modes.
     fn as_matrices(&self) -> Option<&MatrixModel> {
         None
@@ -105,6 +113,19 @@ pub trait JobModel: Debug + Send + Sync {
         let _ = document;
         String::new()
     }
+}
+
+/// A measured friction curve, and where steady sliding is unstable on it.
+#[derive(Debug, Clone)]
+pub struct FrictionCurve {
+    /// The curve.
+    pub curve: SharedCurve,
+    /// The coefficient at rest to which it is scaled.
+    pub static_coefficient: f64,
+    /// How many standard deviations it is shifted by.
+    pub band: f64,
+    /// Sliding speeds between which it is, m/s.
+    pub unstable: Vec<[f64; 2]>,
 }
 
 /// Tables of a job, written out.

@@ -5,7 +5,7 @@ use std::panic;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use super::friction::read_curve;
+use super::friction::{SmoothingSpec, read_curve};
 use super::source::{JobSource, Overrides};
 use crate::files::forging::{Numbers, time};
 
@@ -201,7 +201,7 @@ fn files_of_any_size_are_refused() {
     refused(&path, "line 3 is not text in UTF-8");
     fs::write(&path, format!("a = [{}]", "1,".repeat(3_000_000))).unwrap();
     refused(&path, "the limit is 3000000");
-    let curve = |file: &str| read_curve(&directory.path().join(file)).map(drop).unwrap_err();
+    let curve = |file: &str| read_curve(&directory.path().join(file), None).map(drop).unwrap_err();
     assert!(curve("/dev/zero").contains("it is no regular file"), "{}", curve("/dev/zero"));
     let rows: String = (0..100_002).map(|i| format!("{i}.0,0.4\n")).collect();
     fs::write(directory.path().join("long.csv"), format!("speed,coefficient\n{rows}")).unwrap();
@@ -228,7 +228,9 @@ fn friction_curves_with_slips_are_read_or_refused() {
             }
         }
         fs::write(&path, &bytes).unwrap();
-        let result = panic::catch_unwind(|| read_curve(&path).is_ok());
+        let result = panic::catch_unwind(|| {
+            [None, Some(SmoothingSpec::Spline)].map(|smoothing| read_curve(&path, smoothing).is_ok())
+        });
         assert!(result.is_ok(), "it panicked: {}", String::from_utf8_lossy(&bytes));
     }
 }

@@ -5,6 +5,7 @@ use std::path::Path;
 use stickslip_core::model::quantity::{Quantity, Role};
 use stickslip_sampler::grid::Grid;
 use stickslip_sampler::inputs::{Correlation, CorrelationError, Marginal, MarginalError};
+use stickslip_sampler::special_functions::normal;
 use toml::Spanned;
 
 use super::diagnosis::{Complaint, Complaints};
@@ -12,6 +13,9 @@ use super::distribution_spec::{DistributionSpec, MarginalSpec};
 use super::measured;
 use super::random_spec::RandomSpec;
 use super::scatter::{Names, position, validate_stds};
+
+/// Largest share of negative values that is plausible, of an input that has none.
+const MOST_NEGATIVE: f64 = 0.01;
 
 /// The random inputs of a job, checked, in the order in which their deviates are drawn.
 #[derive(Debug, Clone)]
@@ -183,7 +187,7 @@ impl RandomInputSet {
 
     /// What a user should know of the inputs, in sentences: distributions without their expected value; normal inputs that
     /// do not scatter in some cell although they are asked to, since they scatter in proportion to an expected value of
-    /// zero there.
+    /// zero there; normal inputs that scatter so much that many of their values are negative.
     pub fn warnings(&self, quantities: &[Quantity], grid: &Grid) -> Vec<String> {
         let mut found = Vec::new();
         for (&input, marginal) in self.inputs.iter().zip(&self.marginals) {
@@ -206,6 +210,15 @@ impl RandomInputSet {
                 let table = if grid.axis_of(input).is_some() { "axes" } else { "model" };
                 found.push(format!(
                     "{name} does not scatter in {cells}: its standard deviation is relative_std = {largest} times its expected value, {table}.{name} = 0. Give it a small expected value, or leave it out of random.inputs",
+                    name = quantity.name
+                ));
+            }
+            let negative = normal::upper_tail(1.0 / largest);
+            let is_positive = quantity.limits.minimum >= 0.0 && expected.iter().any(|value| *value > 0.0);
+            if is_relative && is_positive && negative > MOST_NEGATIVE {
+                found.push(format!(
+                    "random.relative_std of {name} = {largest} is not plausible: {:.1} % of its values are negative (usually less than 1 %, with a relative_std up to 0.42). Give a smaller one, or a distribution without negative values: distribution = {{ {name:?} = \"lognormal\" }}",
+                    100.0 * negative,
                     name = quantity.name
                 ));
             }

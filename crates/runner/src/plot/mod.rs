@@ -68,3 +68,5 @@ pub mod scatter;
 pub mod convergence;
 
 pub mod distribution;
+
+pub mod friction;

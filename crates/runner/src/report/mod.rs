@@ -172,12 +172,14 @@ fn pictures(runs: &[ReportedRun], kind: PictureKind) -> String {
 
 impl PictureKind {
     /// All of them, in their order on the page.
-    const ALL: [Self; 5] = [Self::Inputs, Self::Distributions, Self::Verdicts, Self::Modes, Self::SquealFrequencies];
+    const ALL: [Self; 6] =
+        [Self::Inputs, Self::Friction, Self::Distributions, Self::Verdicts, Self::Modes, Self::SquealFrequencies];
 
     /// What its section is called, in links and above it.
     fn heading(self) -> (&'static str, &'static str) {
         match self {
             Self::Inputs => ("inputs", "Random inputs"),
+            Self::Friction => ("friction", "Measured friction"),
             Self::Distributions => ("distributions", "Recorded results"),
             Self::Verdicts => ("verdicts", "Verdict map"),
             Self::Modes => ("modes", "Modes"),
@@ -189,6 +191,7 @@ impl PictureKind {
     fn alternative(self, model: &dyn Model) -> String {
         match self {
             Self::Inputs => "Densities of the random inputs".to_owned(),
+            Self::Friction => "Measured friction over the sliding speed, with the curve of the model".to_owned(),
             Self::Distributions => "Distribution of a recorded result".to_owned(),
             Self::Verdicts => format!("Map of the verdicts over {}", nouns_of_pair(model)),
             Self::Modes => "Frequencies and damping ratios of modes over a parameter".to_owned(),
@@ -200,6 +203,10 @@ impl PictureKind {
         match self {
             Self::Inputs => {
                 "As drawn in the cell in the middle of the axes. Samples outside the model have no equations."
+                    .to_owned()
+            }
+            Self::Friction => {
+                "Steady sliding is unstable on a rigid disc where the curve falls too steeply, here with the values of the cell in the middle of the axes."
                     .to_owned()
             }
             Self::Distributions => {

@@ -50,6 +50,7 @@ pub struct Picture {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PictureKind {
     Inputs,
+    Friction,
     Distributions,
     Verdicts,
     Modes,

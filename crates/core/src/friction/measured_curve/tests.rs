@@ -183,3 +183,62 @@ fn the_same_curve_is_stored_once() {
     let other = MeasuredCurve::new(&[0.0, 1.0], &[0.3, 0.2], None).unwrap();
     assert_ne!(first, SharedCurve::new(other));
 }
+
+#[test]
+fn a_curve_says_how_often_it_falls_and_rises() {
+    let counts = |coefficients: &[f64]| {
+        let speeds: Vec<f64> = (0_u32..).map(f64::from).take(coefficients.len()).collect();
+        MeasuredCurve::new(&speeds, coefficients, None).unwrap().falls_and_rises()
+    };
+    assert_eq!(curve().falls_and_rises(), [1, 1]);
+    assert_eq!(counts(&[0.3, 0.3]), [0, 0]);
+    assert_eq!(counts(&[0.3, 0.4, 0.4, 0.5]), [0, 1]);
+    assert_eq!(counts(&[0.4, 0.3, 0.3, 0.2, 0.25, 0.2]), [2, 1]);
+}
+
+/// The rows of `tests/data/friction/noisy-curve.csv`, at every 0.05 m/s.
+const NOISY: [f64; 40] = [
+    0.4940, 0.4525, 0.4381, 0.4183, 0.4063, 0.3786, 0.3720, 0.3589, 0.3471, 0.3399, 0.3342, 0.3288, 0.3192, 0.3219,
+    0.3115, 0.2915, 0.3142, 0.3015, 0.2966, 0.3002, 0.2978, 0.2948, 0.2877, 0.2924, 0.2807, 0.2974, 0.2802, 0.2856,
+    0.2862, 0.2866, 0.2832, 0.2870, 0.2619, 0.2818, 0.2811, 0.2791, 0.2906, 0.2753, 0.2805, 0.2685,
+];
+
+#[test]
+fn a_smoothed_curve_falls_where_a_noisy_one_falls_and_rises() {
+    let speeds: Vec<f64> = (0_u32..40).map(|row| 0.05 * f64::from(row)).collect();
+    assert_eq!(MeasuredCurve::new(&speeds, &NOISY, None).unwrap().falls_and_rises(), [11, 10]);
+    let curve = MeasuredCurve::smoothed(&speeds, &NOISY, None).unwrap();
+    assert_eq!(curve.falls_and_rises(), [1, 0]);
+    // As an independent program in Python found.
+    let smoothing = curve.smoothing().unwrap();
+    assert!((smoothing.residual - 0.006_166).abs() < 1e-5, "{}", smoothing.residual);
+    assert!((smoothing.parameters - 5.224).abs() < 0.01, "{}", smoothing.parameters);
+    for (row, expected) in [0.497_998, 0.452_017, 0.430_916].into_iter().enumerate() {
+        assert!((curve.coefficients()[row] - expected).abs() < 1e-5, "{row}: {}", curve.coefficients()[row]);
+    }
+    assert_eq!(smoothing.coefficients, NOISY);
+    assert_eq!(curve.at_rest(), curve.coefficients()[0]);
+    assert_eq!(curve.coefficient(0.5), curve.coefficients()[10]);
+}
+
+#[test]
+fn a_straight_line_is_smoothed_to_itself() {
+    let speeds = [0.0, 0.25, 1.0, 2.25, 4.0, 6.25];
+    let line = speeds.map(|speed: f64| 0.5 - 0.08 * speed.sqrt());
+    let curve = MeasuredCurve::smoothed(&speeds, &line, Some(&[0.01; 6])).unwrap();
+    for (fitted, value) in curve.coefficients().iter().zip(line) {
+        assert!((fitted - value).abs() < 1e-12, "{fitted} {value}");
+    }
+    assert!(curve.deviations().unwrap().iter().all(|std| (std - 0.01).abs() < 1e-12));
+    assert!(curve.smoothing().unwrap().residual < 1e-12);
+}
+
+#[test]
+fn few_rows_are_not_smoothed() {
+    let rows = |count: usize| MeasuredCurve::smoothed(&[0.0, 1.0, 2.0, 3.0, 4.0][..count], &[0.3; 5][..count], None);
+    assert_eq!(rows(4).unwrap_err(), CurveError::TooFewToSmooth { rows: 4 });
+    assert!(rows(5).is_ok());
+    assert_eq!(rows(1).unwrap_err(), CurveError::TooFewRows { rows: 1 });
+    let zero = MeasuredCurve::smoothed(&[0.0, 1.0, 2.0, 3.0, 4.0], &[0.0; 5], None);
+    assert_eq!(zero.unwrap_err(), CurveError::NothingAtRest);
+}

@@ -30,6 +30,7 @@ pub fn analyse(arguments: &AnalyseArguments) -> Result<(), Failure> {
             let message = format!("--set {change}: it changes a pad on a disc; change the value in the job instead");
             return Err(Failure::Usage(message));
         }
+        warn(job.warnings());
         let oscillator = Oscillator::new(&pad.map_err(|error| Failure::Job(error.to_string()))?);
         return result(&if arguments.json { format!("{:#}\n", oscillator.json()) } else { oscillator.text() });
     }

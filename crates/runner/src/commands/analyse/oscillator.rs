@@ -7,11 +7,14 @@ use stickslip_core::models::pad_on_disc::rigid_disc::pad_on_disc::{PadOnDisc, Sl
 use stickslip_core::models::pad_on_disc::rigid_disc::stability::SpeedRange;
 use stickslip_core::numerics::eigenvalues::Eigenvalue;
 
+use crate::job::measured_friction::described;
 use crate::units::significant;
 
 /// What is computed of an oscillator.
 pub struct Oscillator {
     belt_speed: f64,
+    /// What is said of a measured friction curve, if it has one.
+    curve: Option<String>,
     equilibrium: SlidingEquilibrium,
     eigenvalues: [Eigenvalue; 2],
     /// Where steady sliding is unstable.
@@ -28,6 +31,7 @@ impl Oscillator {
         let [first, second, ..] = pad.sliding_eigenvalues();
         Self {
             belt_speed: pad.parameters().operating_point.rotating_speed,
+            curve: pad.parameters().friction.law.table().map(|curve| described(curve)),
             equilibrium: pad.sliding_equilibrium(),
             eigenvalues: [first, second],
             unstable_speeds: pad.unstable_speeds(),
@@ -126,7 +130,8 @@ impl Oscillator {
             ),
             (_, None) => "not resolved".to_owned(),
         };
-        [
+        let curve = self.curve.as_ref().map(|curve| ("friction curve", curve.clone()));
+        let rows = [
             ("belt speed", format!("{} m/s", significant(self.belt_speed))),
             (
                 "steady sliding",
@@ -139,11 +144,9 @@ impl Oscillator {
             ("eigenvalues", eigenvalues),
             ("critical speed", self.critical_speed()),
             ("end of stick-slip", end_of_stick_slip.unwrap_or_else(|| "not found".to_owned())),
-        ]
-        .into_iter()
-        .chain(end_of_cycles)
-        .chain([("limit cycle", cycle), ("basin", basin)])
-        .map(|(what, value)| format!("{what:<18} {value}\n"))
-        .collect()
+        ];
+        let line = |(what, value): (&str, String)| format!("{what:<18} {value}\n");
+        let cycle = [("limit cycle", cycle), ("basin", basin)];
+        rows.into_iter().chain(end_of_cycles).chain(cycle).chain(curve).map(line).collect()
     }
 }

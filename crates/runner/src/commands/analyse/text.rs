@@ -9,6 +9,7 @@ use stickslip_core::numerics::eigenvalues::Eigenvalue;
 
 use super::point::{Analysis, Coupled};
 use crate::commands::motion_report::scales_line;
+use crate::job::measured_friction::described;
 use crate::picture::view::rounded;
 use crate::units::{duration, force, frequency, growth_rate, length, range, row, significant, speed};
 
@@ -43,9 +44,16 @@ impl Analysis {
             + &row("preload", &rounded(point.preload), &length(scales.metres(point.preload)))
             + &row("contact force", "", &format!("{:.1} N", scales.newtons(equilibrium.normal_force)))
             + &row("friction mu0", &format!("{:.5}", equilibrium.friction_coefficient), "")
+            + &self.curve_text()
             + &in_mm("equilibrium x0", equilibrium.tangential)
             + &in_mm("equilibrium y0", equilibrium.normal)
             + &row("equilibrium phi0", "", &format!("{:.6e} rad", equilibrium.angle))
+    }
+
+    /// How long a measured friction curve is and how often it falls and rises; nothing of another law.
+    fn curve_text(&self) -> String {
+        let curve = self.brake.parameters().friction.law.table();
+        curve.map_or_else(String::new, |curve| format!("friction curve     {}\n", described(curve)))
     }
 
     /// Frequencies and growth rates of small motions.

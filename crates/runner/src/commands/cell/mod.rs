@@ -1,5 +1,5 @@
 //! What there is to see of one cell of a job, before a run or after it: its inputs, its samples, how its estimate converges,
-//! and the distribution of what is recorded.
+//! the distribution of what is recorded, and its measured friction curve.
 
 use std::path::{Path, PathBuf};
 
@@ -23,6 +23,8 @@ mod samples;
 mod convergence;
 
 mod distribution;
+
+mod friction;
 
 /// The figure, and where it is written if no file is given, without an extension.
 ///
@@ -60,12 +62,18 @@ pub fn figure(arguments: &PlotArguments, width: f64, interrupt: &Interrupt) -> R
             titled(&mut plot.heading, arguments);
             (plot.figure(width), name)
         }
+        PlotQuantity::Friction => {
+            let mut plot = friction::wanted(&job, &cell)?;
+            titled(&mut plot.title, arguments);
+            (plot.figure(width), "friction".to_owned())
+        }
         _ => (inputs::inputs(&job, &cell)?.figure(width), "inputs".to_owned()),
     };
     Ok((canvas, beside(path, &name)))
 }
 
-/// The pictures of a finished run in its report: the inputs of the cell in the middle of its axes, and what is recorded.
+/// The pictures of a finished run in its report: the inputs of the cell in the middle of its axes, its measured friction
+/// curve, and what is recorded.
 ///
 /// # Errors
 /// A run that cannot be read.
@@ -82,6 +90,9 @@ pub fn pictures(job: &Job, path: &Path) -> Result<Vec<Picture>, Failure> {
     };
     if !job.random.scatters_nothing() {
         add(PictureKind::Inputs, inputs::inputs(job, &cell).map(|plot| plot.figure(PICTURE_WIDTH)))?;
+    }
+    if let Some(plot) = friction::friction(job, &cell) {
+        add(PictureKind::Friction, Ok(plot.figure(PICTURE_WIDTH)))?;
     }
     let mut recorded = None;
     for result in job.model().recorded() {

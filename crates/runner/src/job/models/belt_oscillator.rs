@@ -6,6 +6,8 @@ use std::sync::Arc;
 use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
+use stickslip_core::friction::law::LawKind;
+use stickslip_core::friction::measured_curve::SharedCurve;
 use stickslip_core::model::Model;
 use stickslip_core::model::quantity::{Quantity, Role};
 use stickslip_core::models::belt_oscillator::{BeltCriterion, BeltOscillator, Oscillator, quantities};
@@ -19,13 +21,14 @@ use toml::Spanned;
 use toml_edit::DocumentMut;
 
 use super::pad_on_disc::friction::{self, FrictionSpec, LawSpec, use_law};
+use super::pad_on_disc::measured_friction::{self, UnstableSpeeds};
 use super::pad_on_disc::overrides::number_within;
 use super::record_spec::{self, RecordedName, linear_record, names_of};
 use super::start_spec::{StartNumbers, StartSpec};
 use crate::job::axes_spec::AxesSpec;
 use crate::job::diagnosis::{Complaint, Complaints};
 use crate::job::model::{
-    Boundary, Draft, JobModel, Kind, OutsidePhysics, Parts, Tables, configurable, table_of, written,
+    Boundary, Draft, FrictionCurve, JobModel, Kind, OutsidePhysics, Parts, Tables, configurable, table_of, written,
 };
 use crate::job::random::RandomInputSet;
 use crate::job::reading;
@@ -495,6 +498,30 @@ impl Draft for BeltDraft {
 #[derive(Debug)]
 struct BeltJob(BeltOscillator);
 
+impl BeltJob {
+    /// The friction law.
+    fn law(&self) -> LawKind {
+        self.0.oscillator(&self.0.expected()).friction.law
+    }
+
+    /// The place of the speed of the belt.
+    fn belt_speed(&self) -> Option<usize> {
+        self.0.quantities().iter().position(|quantity| quantity.name == BELT_SPEED)
+    }
+
+    /// Where steady sliding is unstable with the values of the cell in the middle of a grid, if friction is measured.
+    fn unstable_speeds(&self, grid: &Grid) -> Option<(SharedCurve, UnstableSpeeds)> {
+        let curve = *self.law().table()?;
+        let cell = grid.cell(grid.middle()?);
+        let pad = self.rigid_pad(&cell.expected)?.ok()?;
+        let (axis, unit, on) = (BELT_SPEED, "m/s", "");
+        Some((curve, UnstableSpeeds { axis, unit, on, cell: cell.index, ranges: pad.unstable_speeds() }))
+    }
+}
+
+/// The name of the speed of the belt.
+const BELT_SPEED: &str = "belt_speed";
+
 impl JobModel for BeltJob {
     fn model(&self) -> &dyn Model {
         &self.0
@@ -532,6 +559,19 @@ impl JobModel for BeltJob {
         Tables { model, criterion: table_of(&BeltCriterionSpec::from(self.0.criterion())) }
     }
 
+    fn warnings(&self, grid: &Grid, _: &RandomInputSet) -> Vec<String> {
+        let (Some((curve, speeds)), Some(place)) = (self.unstable_speeds(grid), self.belt_speed()) else {
+            return Vec::new();
+        };
+        let mut warnings = measured_friction::doubts(&curve, grid.extremes_of(place)[1]);
+        warnings.extend(grid.axis_of(place).and_then(|axis| speeds.doubt(&curve, axis.values())));
+        warnings
+    }
+
+    fn remarks(&self, grid: &Grid) -> String {
+        self.unstable_speeds(grid).map_or(String::new(), |(curve, speeds)| speeds.remarks(&curve))
+    }
+
     fn map_refusal(&self, _: &Grid, _: &RandomInputSet) -> Option<String> {
         None
     }
@@ -540,8 +580,16 @@ impl JobModel for BeltJob {
         Some(PadOnDisc::new(self.0.oscillator(expected).as_pad()))
     }
 
+    fn friction_curve(&self, expected: &[f64]) -> Option<FrictionCurve> {
+        let curve = *self.law().table()?;
+        let pad = self.rigid_pad(expected)?.ok()?;
+        let unstable = pad.unstable_speeds().iter().map(|range| [range.from, range.to]).collect();
+        let Friction { static_coefficient, band, .. } = pad.parameters().friction;
+        Some(FrictionCurve { curve, static_coefficient, band, unstable })
+    }
+
     fn freeze(&self, document: &mut DocumentMut) -> String {
-        friction::freeze(document, &self.0.oscillator(&self.0.expected()).friction.law)
+        friction::freeze(document, &self.law())
     }
 }
 

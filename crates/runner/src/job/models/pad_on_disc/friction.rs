@@ -10,7 +10,7 @@ use serde::de::{MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::json;
 use stickslip_core::friction::law::LawKind;
-use stickslip_core::friction::measured_curve::{CurveError, MeasuredCurve, SharedCurve};
+use stickslip_core::friction::measured_curve::{CurveError, HIGHEST_SPEED, MeasuredCurve, SharedCurve};
 use stickslip_core::model::quantity::{Quantity, Role};
 use stickslip_core::models::pad_on_disc::parameters::Friction;
 use toml::Spanned;
@@ -22,6 +22,7 @@ use crate::job::diagnosis::{Complaint, Complaints};
 use crate::job::keys::nearest;
 use crate::job::model::{Parts, written};
 use crate::shell::shown;
+use crate::units::significant;
 
 /// Names of friction laws.
 pub const LAWS: [&str; 3] = ["stribeck", "rational", "table"];
@@ -34,6 +35,7 @@ const COLUMNS: [&str; 3] = ["speed", "coefficient", "std"];
 pub struct FrictionSpec {
     pub law: Option<Spanned<LawSpec>>,
     pub table: Option<Spanned<TableSpec>>,
+    pub smoothing: Option<Spanned<SmoothingSpec>>,
     #[serde(flatten)]
     pub values: Overrides,
 }
@@ -69,7 +71,7 @@ impl LawSpec {
         let laws: &[Self] = match name {
             "stribeck_exponent" => &[Self::Stribeck],
             "kinetic_coefficient" | "stribeck_velocity" | "viscous" => &[Self::Stribeck, Self::Rational],
-            "band" | "table" => &[Self::Table],
+            "band" | "table" | "smoothing" => &[Self::Table],
             _ => return None,
         };
         if laws.contains(&self) {
@@ -101,6 +103,25 @@ impl From<&LawKind> for LawSpec {
     }
 }
 
+/// How the rows of a measured curve are smoothed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SmoothingSpec {
+    Spline,
+}
+
+impl SmoothingSpec {
+    pub fn from_name(name: &str) -> Result<Self, String> {
+        match name {
+            SPLINE => Ok(Self::Spline),
+            _ => Err(format!("there is no smoothing \"{name}\" of a friction curve (there is {SPLINE})")),
+        }
+    }
+}
+
+/// The name of the smoothing.
+pub const SPLINE: &str = "spline";
+
 /// A measured curve: a file, or its columns.
 #[derive(Debug, Clone, Serialize)]
 #[serde(untagged)]
@@ -111,7 +132,7 @@ pub enum TableSpec {
     Columns(CurveColumns),
 }
 
-/// The columns of a measured curve.
+/// The columns of a measured curve, before it is smoothed.
 #[derive(Debug, Clone, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct CurveColumns {
@@ -123,17 +144,25 @@ pub struct CurveColumns {
 
 impl From<&MeasuredCurve> for CurveColumns {
     fn from(curve: &MeasuredCurve) -> Self {
+        let (coefficients, deviations) = match curve.smoothing() {
+            Some(measured) => (&measured.coefficients[..], measured.deviations.as_deref()),
+            None => (curve.coefficients(), curve.deviations()),
+        };
         Self {
             speed: curve.speeds().to_vec(),
-            coefficient: curve.coefficients().to_vec(),
-            std: curve.deviations().map(<[f64]>::to_vec),
+            coefficient: coefficients.to_vec(),
+            std: deviations.map(<[f64]>::to_vec),
         }
     }
 }
 
 impl CurveColumns {
-    fn curve(&self) -> Result<SharedCurve, CurveError> {
-        MeasuredCurve::new(&self.speed, &self.coefficient, self.std.as_deref()).map(SharedCurve::new)
+    fn curve(&self, smoothing: Option<SmoothingSpec>) -> Result<SharedCurve, CurveError> {
+        let made = match smoothing {
+            Some(SmoothingSpec::Spline) => MeasuredCurve::smoothed,
+            None => MeasuredCurve::new,
+        };
+        made(&self.speed, &self.coefficient, self.std.as_deref()).map(SharedCurve::new)
     }
 }
 
@@ -178,6 +207,7 @@ impl<'de> Deserialize<'de> for FrictionSpec {
                     match key.get_ref().as_str() {
                         "law" => spec.law = Some(map.next_value()?),
                         "table" => spec.table = Some(map.next_value()?),
+                        "smoothing" => spec.smoothing = Some(map.next_value()?),
                         _ => drop(spec.values.insert(key, map.next_value()?)),
                     }
                 }
@@ -223,6 +253,13 @@ impl JsonSchema for FrictionSpec {
                 ],
             }),
         );
+        properties.insert(
+            "smoothing".to_owned(),
+            json!({
+                "const": SPLINE,
+                "description": "With `law = \"table\"`, `\"spline\"` smooths the rows of a noisy curve before it goes through them: by a cubic smoothing spline, as smooth as generalised cross-validation says. Without it the curve goes through the rows as they are",
+            }),
+        );
         json_schema!({ "type": "object", "properties": properties, "additionalProperties": false })
     }
 }
@@ -231,7 +268,9 @@ impl FrictionSpec {
     /// A law and its values.
     pub fn written_out(law: &LawKind, values: Overrides) -> Self {
         let table = law.table().map(|curve| written(TableSpec::Columns(CurveColumns::from(&**curve))));
-        Self { law: Some(written(law.into())), table, values }
+        let smoothing = law.table().and_then(|curve| curve.smoothing());
+        let smoothing = smoothing.map(|_| written(SmoothingSpec::Spline));
+        Self { law: Some(written(law.into())), table, smoothing, values }
     }
 }
 
@@ -242,6 +281,13 @@ pub fn use_law(spec: &FrictionSpec, folder: &Path, friction: &mut Friction, comp
         let key = format!("model.friction.{}", name.get_ref());
         let refusal = law.refusal(name.get_ref(), &key).map(|message| Complaint::at(value.span(), message));
         complaints.push_some(refusal);
+    }
+    let smoothing = spec.smoothing.as_ref().map(|smoothing| *smoothing.get_ref());
+    if let Some(smoothing) = &spec.smoothing
+        && !complaints.has_unread(&["model", "friction", "law"])
+    {
+        let refusal = law.refusal("smoothing", "model.friction.smoothing");
+        complaints.push_some(refusal.map(|message| Complaint::at(smoothing.span(), message)));
     }
     match (law, &spec.table) {
         (LawSpec::Stribeck, None) => {}
@@ -254,8 +300,8 @@ pub fn use_law(spec: &FrictionSpec, folder: &Path, friction: &mut Friction, comp
         }
         (LawSpec::Table, Some(table)) => {
             let curve = match table.get_ref() {
-                TableSpec::Csv(file) => read_curve(&folder.join(file)),
-                TableSpec::Columns(columns) => columns.curve().map_err(|error| in_rows(&error)),
+                TableSpec::Csv(file) => read_curve(&folder.join(file), smoothing),
+                TableSpec::Columns(columns) => columns.curve(smoothing).map_err(|error| in_rows(&error)),
             };
             let curve =
                 curve.map_err(|message| Complaint::at(table.span(), format!("model.friction.table: {message}")));
@@ -341,8 +387,9 @@ pub fn freeze(document: &mut DocumentMut, law: &LawKind) -> String {
     origins
 }
 
-/// A measured curve from a CSV file with names in the first line. Says file, line and value where it cannot be read.
-pub fn read_curve(path: &Path) -> Result<SharedCurve, String> {
+/// A measured curve from a CSV file with names in the first line, smoothed if that is asked for. Says file, line and value
+/// where it cannot be read.
+pub fn read_curve(path: &Path, smoothing: Option<SmoothingSpec>) -> Result<SharedCurve, String> {
     let file = CsvFile::new(path, read_csv(path)?).map_err(|error| error.to_string())?;
     let refused = |line: u64, message: &str| file.error(line, message).to_string();
     if let Some(unknown) = file.names.iter().find(|name| !COLUMNS.contains(name)) {
@@ -379,15 +426,25 @@ pub fn read_curve(path: &Path) -> Result<SharedCurve, String> {
     }
     let [speed, coefficient, std] = columns;
     let curve = CurveColumns { speed, coefficient, std: places[2].is_some().then_some(std) };
-    curve.curve().map_err(|error| match row_of(&error).and_then(|row| rows.get(row)) {
-        Some(row) => refused(row.line, &error.to_string()),
+    curve.curve(smoothing).map_err(|error| match row_of(&error).and_then(|row| rows.get(row)) {
+        Some(row) => refused(row.line, &said(&error)),
         None => format!("{}: {error}", shown(path)),
     })
 }
 
 /// The message about columns that stand in the job itself.
 fn in_rows(error: &CurveError) -> String {
-    row_of(error).map_or_else(|| error.to_string(), |row| format!("row {}: {error}", row + 1))
+    row_of(error).map_or_else(|| error.to_string(), |row| format!("row {}: {}", row + 1, said(error)))
+}
+
+/// An error with the unit that was probably meant.
+fn said(error: &CurveError) -> String {
+    match error {
+        CurveError::OutOfRange { column: "speed", value, .. } if *value > HIGHEST_SPEED && value.is_finite() => {
+            format!("{error}; did you mean {} m/s ({} mm/s)?", significant(1e-3 * value), significant(*value))
+        }
+        _ => error.to_string(),
+    }
 }
 
 /// The row that an error is about.

@@ -3,28 +3,31 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use stickslip_core::friction::measured_curve::SharedCurve;
 use stickslip_core::model::Model;
 use stickslip_core::model::quantity::Quantity;
 use stickslip_core::models::pad_on_disc::criterion::validity::{self, Uncovered};
 use stickslip_core::models::pad_on_disc::model::{
-    Criterion, LinearRecord, PRELOAD, PadModel, STATIC_FRICTION, quantities,
+    Criterion, LinearRecord, PRELOAD, PadModel, ROTATING_SPEED, STATIC_FRICTION, quantities,
 };
 use stickslip_core::models::pad_on_disc::motion::start::GivenStart;
-use stickslip_core::models::pad_on_disc::parameters::{EFFECTIVE_RADIUS_KEY, Parameters};
+use stickslip_core::models::pad_on_disc::parameters::{EFFECTIVE_RADIUS_KEY, Friction, Parameters};
 use stickslip_core::models::pad_on_disc::rigid_disc::pad_on_disc::PadOnDisc;
+use stickslip_core::models::pad_on_disc::rigid_disc::stability::SpeedRange;
 use stickslip_sampler::grid::{Axis, Grid};
 use toml::Spanned;
 
 use self::corners::Corners;
 use self::criterion_spec::{CriterionKind, CriterionSpec, ModesSpec};
 use self::given_forces::GivenForces;
+use self::measured_friction::UnstableSpeeds;
 use self::preload_force::is_preload_force;
 use self::start::StartSpecs;
 use self::tables::PadTables;
 use self::values::{contradiction, validate_model};
 use crate::job::axes_spec::{AxesSpec, AxisEntry};
 use crate::job::diagnosis::{Complaint, Complaints};
-use crate::job::model::{Boundary, Draft, JobModel, Kind, OutsidePhysics, Parts, Tables};
+use crate::job::model::{Boundary, Draft, FrictionCurve, JobModel, Kind, OutsidePhysics, Parts, Tables};
 use crate::job::random::RandomInputSet;
 use crate::job::reading;
 use crate::job::spec::JobSpec;
@@ -39,6 +42,8 @@ pub mod keys;
 pub mod overrides;
 
 pub mod friction;
+
+pub mod measured_friction;
 
 mod tables;
 
@@ -222,6 +227,15 @@ pub struct PadJob {
 }
 
 impl PadJob {
+    /// Where steady sliding is unstable with the values of the cell in the middle of a grid, if friction is measured.
+    fn unstable_speeds(&self, grid: &Grid) -> Option<(&SharedCurve, UnstableSpeeds)> {
+        let curve = self.model.parameters().friction.law.table()?;
+        let cell = grid.cell(grid.middle()?);
+        let brake = self.model.complete_brake(&cell.expected).ok()?;
+        let (axis, unit, on) = ("rotating_speed", "rad/s", " on a rigid disc");
+        Some((curve, UnstableSpeeds { axis, unit, on, cell: cell.index, ranges: brake.unstable_speeds() }))
+    }
+
     /// What of the extremes of the axes lies outside the range over which verdicts in time were tested, each value
     /// once.
     fn uncovered(&self, grid: &Grid) -> Vec<Uncovered> {
@@ -261,6 +275,9 @@ impl JobModel for PadJob {
     fn warnings(&self, grid: &Grid, _: &RandomInputSet) -> Vec<String> {
         let parameters = self.model.parameters();
         let mut warnings = plausibility::of_job(parameters, self.model.quantities(), grid);
+        if let (Some((curve, speeds)), Some(axis)) = (self.unstable_speeds(grid), grid.axis_of(ROTATING_SPEED)) {
+            warnings.extend(speeds.doubt(curve, axis.values()));
+        }
         let criterion = self.model.criterion();
         if let Criterion::TimeDomain { settings, .. } = criterion {
             warnings.extend(plausibility::of_displacement("criterion.displacement", settings.displacement));
@@ -302,7 +319,17 @@ impl JobModel for PadJob {
         let least = forces(least).into_iter().fold(f64::INFINITY, f64::min);
         let most = forces(most).into_iter().fold(0.0, f64::max);
         let range = if least < most { format!("{} to {}", force(least), force(most)) } else { force(most) };
-        format!("# expected contact force on a rigid disc: {range}\n")
+        let of_curve = self.unstable_speeds(grid).map_or(String::new(), |(curve, speeds)| speeds.remarks(curve));
+        format!("# expected contact force on a rigid disc: {range}\n{of_curve}")
+    }
+
+    fn friction_curve(&self, expected: &[f64]) -> Option<FrictionCurve> {
+        let curve = *self.model.parameters().friction.law.table()?;
+        let brake = self.model.complete_brake(expected).ok()?;
+        let speeds = brake.unstable_speeds();
+        let in_m_s = |range: &SpeedRange| [range.from, range.to].map(|speed| brake.speed_under_pad(speed));
+        let Friction { static_coefficient, band, .. } = brake.parameters().friction;
+        Some(FrictionCurve { curve, static_coefficient, band, unstable: speeds.iter().map(in_m_s).collect() })
     }
 
     fn as_pad(&self) -> Option<&PadModel> {

@@ -10,6 +10,10 @@ use stickslip_core::models::pad_on_disc::flexible_disc::mode_count::ModeCheck;
 use stickslip_core::models::pad_on_disc::parameters::{Parameters, SCALARS, Scalar};
 use stickslip_sampler::grid::Grid;
 
+use super::measured_friction;
+use super::preload_force::PRELOAD;
+use crate::units;
+
 /// The plausible values of one parameter.
 struct Rule {
     /// Of the parameter; a section's name alone is a rule for all parameters of the section.
@@ -65,6 +69,9 @@ impl Rule {
     }
 }
 
+/// Largest contact force that is plausible, N: that of the disc brakes of heavy lorries.
+const LARGEST_FORCE: f64 = 250e3;
+
 /// A number with at most six digits.
 fn written(value: f64) -> String {
     let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
@@ -107,7 +114,33 @@ pub fn of_parameters(parameters: &Parameters) -> Vec<String> {
     let mut warnings: Vec<String> =
         given.filter_map(|scalar| warning(scalar.key, scalar.value(parameters), scalar)).collect();
     warnings.extend(of_disc(parameters));
+    let point = &parameters.operating_point;
+    warnings.extend(of_force(point.preload, parameters));
+    warnings.extend(of_curve(parameters, point.rotating_speed));
     warnings
+}
+
+/// Warnings about a measured friction curve of a brake whose disc turns at `fastest` at most, rad/s.
+fn of_curve(parameters: &Parameters, fastest: f64) -> Vec<String> {
+    let curve = parameters.friction.law.table();
+    curve.map_or_else(Vec::new, |curve| measured_friction::doubts(curve, fastest * parameters.effective_radius()))
+}
+
+/// A warning about a preload that presses too much with these parameters; on a disc that is no plate the thickness is what is
+/// wrong.
+fn of_force(preload: f64, parameters: &Parameters) -> Option<String> {
+    let force = preload / parameters.preload_of(1.0);
+    let thickness = parameters.disc.thickness;
+    (force > LARGEST_FORCE && of_disc(parameters).is_none()).then(|| {
+        format!(
+            "the preload {preload} presses with {}, which is not plausible (usually at most {}). Preload is the displacement of the calliper over the thickness of the disc, {} mm here: {preload} mm would be {}",
+            units::force(force),
+            units::force(LARGEST_FORCE),
+            written(1e3 * thickness),
+            written(1e-3 * preload / thickness),
+            preload = written(preload)
+        )
+    })
 }
 
 /// A warning about a disc that is no plate.
@@ -141,6 +174,15 @@ pub fn of_job(parameters: &Parameters, quantities: &[Quantity], grid: &Grid) -> 
         warnings.extend(values.into_iter().filter_map(|(name, value)| warning(&name, value, scalar)));
     }
     warnings.extend(of_disc(parameters));
+    let place = |key: &str| quantities.iter().position(|quantity| quantity.path == key);
+    if let Some(place) = place(PRELOAD) {
+        let [_, most] = grid.extremes_of(place);
+        warnings.extend(of_force(most, parameters));
+    }
+    if let Some(place) = place("operating_point.rotating_speed") {
+        let [_, fastest] = grid.extremes_of(place);
+        warnings.extend(of_curve(parameters, fastest));
+    }
     warnings
 }
 
@@ -201,6 +243,24 @@ mod tests {
             let scalar = SCALARS.iter().find(|scalar| scalar.key == key).unwrap();
             assert!(warning(key, value, scalar).unwrap().contains(likely));
         }
+    }
+
+    #[test]
+    fn a_preload_in_millimetres_is_recognised_by_its_force() {
+        let mut parameters = Parameters::sui_ding_2018();
+        parameters.operating_point.preload = 0.8;
+        let said = of_parameters(&parameters);
+        assert_eq!(said.len(), 1, "{said:?}");
+        assert!(said[0].starts_with("the preload 0.8 presses with 280.8 kN, which is not"), "{said:?}");
+        assert!(
+            said[0].contains("at most 250.0 kN") && said[0].ends_with("20 mm here: 0.8 mm would be 0.04"),
+            "{said:?}"
+        );
+        // What makes the force is the thickness.
+        parameters.operating_point.preload = 0.3;
+        parameters.disc.thickness = 0.1;
+        let said = of_parameters(&parameters);
+        assert!(said.len() == 1 && said[0].starts_with("disc.thickness = 0.1 m is more"), "{said:?}");
     }
 
     #[test]

@@ -1,0 +1,238 @@
+//! What is said of a measured friction curve: how often it falls and rises, what of it is not plausible, and where steady
+//! sliding is unstable between the speeds of a grid.
+//!
+//! Stability is the sign of a slope, and the slope between noisy rows is that of the noise.
+
+use stickslip_core::friction::measured_curve::{MeasuredCurve, Smoothing};
+use stickslip_core::models::pad_on_disc::rigid_disc::stability::SpeedRange;
+
+use crate::units::significant;
+
+/// A curve that falls in more ranges of speed than this is taken for a noisy one.
+const MOST_FALLS: usize = 2;
+
+/// Highest speed of a curve that is plausible, m/s: that under the pads of a fast train.
+const FASTEST: f64 = 60.0;
+
+/// Most ranges of speed in a message.
+const MOST_LISTED: usize = 8;
+
+/// What to do about a noisy curve.
+fn remedy(curve: &MeasuredCurve) -> &'static str {
+    match curve.smoothing() {
+        None => {
+            "Smooth it, with smoothing = \"spline\" in [model.friction], or fit a friction law to the rows, as law = \"stribeck\""
+        }
+        Some(_) => {
+            "It is smoothed already; give the mean of several tests at fewer speeds, or fit a friction law to the rows, as law = \"stribeck\""
+        }
+    }
+}
+
+/// How long a curve is, how far a smoothed one is from its rows, and how often it falls and rises.
+pub fn described(curve: &MeasuredCurve) -> String {
+    let (speeds, [falls, rises]) = (curve.speeds(), curve.falls_and_rises());
+    let [first, last] = [0, speeds.len() - 1].map(|row| significant(speeds[row]));
+    let smoothing = curve.smoothing().map_or(String::new(), |Smoothing { residual, parameters, .. }| {
+        format!(
+            ", smoothed by a spline with {parameters:.1} free parameters, from which they differ by {} (root mean square)",
+            significant(*residual)
+        )
+    });
+    format!(
+        "{} rows from {first} to {last} m/s{smoothing}; from row to row it falls {} and rises {}",
+        speeds.len(),
+        times(falls),
+        times(rises)
+    )
+}
+
+fn times(count: usize) -> String {
+    match count {
+        0 => "never".to_owned(),
+        1 => "once".to_owned(),
+        2 => "twice".to_owned(),
+        count => format!("{count} times"),
+    }
+}
+
+/// Warnings about a curve of a job that slides at `fastest` at most, m/s.
+pub fn doubts(curve: &MeasuredCurve, fastest: f64) -> Vec<String> {
+    wrong_unit(curve, fastest).into_iter().chain(noise(curve)).collect()
+}
+
+/// A warning about speeds that are probably not in m/s.
+fn wrong_unit(curve: &MeasuredCurve, fastest: f64) -> Option<String> {
+    let speeds = curve.speeds();
+    let last = speeds.last().copied().filter(|last| *last > FASTEST);
+    let first = speeds.iter().copied().find(|speed| *speed > 0.0).filter(|first| *first > fastest);
+    let (speed, why) = match (last, first) {
+        (Some(last), _) => {
+            (last, format!("it reaches {} m/s, and curves of brakes end at {FASTEST} m/s at most", significant(last)))
+        }
+        (None, Some(first)) => {
+            let (first_row, fastest) = (significant(first), significant(fastest));
+            let why = format!(
+                "its first row above rest is at {first_row} m/s, and the job slides at {fastest} m/s at most, where nothing was measured"
+            );
+            (first, why)
+        }
+        (None, None) => return None,
+    };
+    // A row at less is one of metres: the first of a coarse curve.
+    Some(if speed < 1.0 {
+        format!("friction.table says nothing of the speeds of the job: {why}")
+    } else {
+        let (in_m_s, in_mm_s) = (significant(1e-3 * speed), significant(speed));
+        format!("friction.table is not plausible: {why}; did you mean {in_m_s} m/s ({in_mm_s} mm/s)?")
+    })
+}
+
+/// A warning about a curve that falls again and again.
+fn noise(curve: &MeasuredCurve) -> Option<String> {
+    let [falls, rises] = curve.falls_and_rises();
+    (falls > MOST_FALLS).then(|| {
+        format!(
+            "friction.table falls {} and rises {} between its {} rows, which is probably noise (usually it falls at most twice). Stability is the sign of a slope, and slopes between such rows are those of the noise. {}",
+            times(falls),
+            times(rises),
+            curve.speeds().len(),
+            remedy(curve)
+        )
+    })
+}
+
+/// Where steady sliding is unstable on a measured curve, with the expected values of a cell of a job.
+pub struct UnstableSpeeds {
+    /// The axis of speeds and its unit.
+    pub axis: &'static str,
+    pub unit: &'static str,
+    /// For which disc this holds, if there are several; empty, or with a space before it.
+    pub on: &'static str,
+    /// The cell.
+    pub cell: u64,
+    pub ranges: Vec<SpeedRange>,
+}
+
+impl UnstableSpeeds {
+    /// What `check` says of a curve and of these speeds, in lines.
+    pub fn remarks(&self, curve: &MeasuredCurve) -> String {
+        let unstable = match self.ranges[..] {
+            [] => "stable at every speed".to_owned(),
+            ref ranges => format!("unstable at {} {} {}", self.axis, listed(ranges), self.unit),
+        };
+        format!(
+            "# friction curve: {}\n# steady sliding{} with the other values of cell {}: {unstable}\n",
+            described(curve),
+            self.on,
+            self.cell
+        )
+    }
+
+    /// A warning about ranges that no value of the axis shows.
+    pub fn doubt(&self, curve: &MeasuredCurve, values: &[f64]) -> Option<String> {
+        let between = between(&self.ranges, values);
+        let (what, them) = match between.len() {
+            0 => return None,
+            1 => ("a range of speed".to_owned(), "it"),
+            count => (format!("{count} ranges of speed"), "them"),
+        };
+        Some(format!(
+            "steady sliding{} is unstable in {what} between two values of axes.{axis}, so that no cell shows {them}: {} {} (with the other values of cell {}). The measured curve falls there between its rows. If that is no noise, give axes.{axis} values there. {}",
+            self.on,
+            listed(&between),
+            self.unit,
+            self.cell,
+            remedy(curve),
+            axis = self.axis
+        ))
+    }
+}
+
+/// The ranges that lie between two neighbouring values.
+fn between(ranges: &[SpeedRange], values: &[f64]) -> Vec<SpeedRange> {
+    let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let is_between = |range: &SpeedRange| {
+        let shows = |value: &f64| range.from < *value && *value < range.to;
+        range.from >= least && range.to <= most && !values.iter().any(shows)
+    };
+    ranges.iter().copied().filter(is_between).collect()
+}
+
+/// The first ranges, in words.
+fn listed(ranges: &[SpeedRange]) -> String {
+    let shown = ranges.iter().take(MOST_LISTED);
+    let shown: Vec<String> =
+        shown.map(|range| format!("{} to {}", significant(range.from), significant(range.to))).collect();
+    let more = match ranges.len() - shown.len() {
+        0 => String::new(),
+        more => format!(" and {more} more, up to {}", ranges.last().map_or(String::new(), |last| significant(last.to))),
+    };
+    shown.join(", ") + &more
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn curve(speeds: &[f64], coefficients: &[f64]) -> MeasuredCurve {
+        MeasuredCurve::new(speeds, coefficients, None).unwrap()
+    }
+
+    #[test]
+    fn a_curve_is_noisy_if_it_falls_more_than_twice() {
+        let speeds = [0.0, 0.1, 0.2, 0.3, 0.4, 0.5];
+        let wavy = curve(&speeds, &[0.5, 0.4, 0.41, 0.3, 0.31, 0.32]);
+        assert_eq!(doubts(&wavy, 1.0), Vec::<String>::new());
+        assert!(described(&wavy).ends_with("it falls twice and rises twice"), "{}", described(&wavy));
+        let noisy = doubts(&curve(&speeds, &[0.5, 0.4, 0.41, 0.3, 0.31, 0.3]), 1.0);
+        assert!(noisy.len() == 1 && noisy[0].contains("falls 3 times and rises twice between its 6 rows"), "{noisy:?}");
+    }
+
+    #[test]
+    fn a_smoothed_curve_says_what_it_leaves_of_its_rows() {
+        let speeds = [0.0, 0.5, 1.0, 1.5, 2.0, 2.5];
+        let rows = [0.45, 0.36, 0.34, 0.29, 0.30, 0.27];
+        let said = described(&MeasuredCurve::smoothed(&speeds, &rows, None).unwrap());
+        for text in ["from 0 to 2.500 m/s, smoothed", " 2.0 free parameters", " by 0.010", "falls once and rises never"]
+        {
+            assert!(said.contains(text), "{text:?} is not in: {said}");
+        }
+    }
+
+    #[test]
+    fn speeds_in_millimetres_are_recognised() {
+        let far = doubts(&curve(&[0.0, 50.0, 950.0], &[0.5, 0.4, 0.3]), 2.0);
+        assert!(far.len() == 1 && far[0].ends_with("did you mean 0.9500 m/s (950.0 mm/s)?"), "{far:?}");
+        let coarse = doubts(&curve(&[0.0, 5.0, 50.0], &[0.5, 0.4, 0.3]), 2.0);
+        assert!(coarse.len() == 1 && coarse[0].ends_with("did you mean 0.005000 m/s (5.000 mm/s)?"), "{coarse:?}");
+        assert_eq!(doubts(&curve(&[0.0, 0.5, 50.0], &[0.5, 0.4, 0.3]), 2.0), Vec::<String>::new());
+        let creep = doubts(&curve(&[0.0, 0.5, 50.0], &[0.5, 0.4, 0.3]), 0.3);
+        assert!(creep.len() == 1 && creep[0].starts_with("friction.table says nothing of the speeds"), "{creep:?}");
+    }
+
+    #[test]
+    fn ranges_that_a_value_lies_in_are_shown_by_it() {
+        let range = |from: f64, to: f64| SpeedRange { from, to };
+        let ranges = [range(0.0, 0.3), range(0.45, 0.5), range(0.58, 0.65), range(0.9, 1.1), range(1.3, 1.4)];
+        let found = between(&ranges, &[0.2, 0.4, 0.6, 0.8, 1.0, 1.2]);
+        assert_eq!(found, [range(0.45, 0.5)]);
+        let speeds = UnstableSpeeds { axis: "belt_speed", unit: "m/s", on: "", cell: 4, ranges: ranges.to_vec() };
+        let curve = curve(&[0.0, 1.0], &[0.5, 0.4]);
+        let said = speeds.doubt(&curve, &[0.2, 0.4, 0.6, 0.8, 1.0, 1.2]).unwrap();
+        assert!(said.contains("in a range of speed between two values of axes.belt_speed"), "{said}");
+        assert!(said.contains("no cell shows it: 0.4500 to 0.5000 m/s (with the other values of cell 4)"), "{said}");
+        assert_eq!(speeds.doubt(&curve, &[0.6]), None);
+        assert!(between(&ranges, &[]).is_empty());
+    }
+
+    #[test]
+    fn long_lists_of_ranges_are_cut() {
+        let ranges: Vec<SpeedRange> =
+            (0..10_u32).map(f64::from).map(|from| SpeedRange { from, to: from + 0.5 }).collect();
+        let said = listed(&ranges);
+        assert!(said.starts_with("0 to 0.5000, 1.000 to 1.500, "), "{said}");
+        assert!(said.ends_with(" and 2 more, up to 9.500"), "{said}");
+    }
+}
