@@ -28,7 +28,7 @@ use stickslip_sampler::estimate::{audit, conditional, randomisations};
 use stickslip_sampler::inputs::{InputDistribution, Marginal, PairLaw, PairParameter};
 use stickslip_sampler::integrate::NormalPair;
 use stickslip_sampler::integrate::pair::Pair;
-use stickslip_sampler::rare::points::{Integrand, LimitState, Points as DeviatePoints};
+use stickslip_sampler::rare::points::{Integrand, LimitBranches, LimitState, Points as DeviatePoints};
 use stickslip_sampler::rare::whole;
 use stickslip_sampler::special_functions::normal;
 
@@ -395,15 +395,39 @@ fn rare_events() {
         let mut limit_state = LimitState(|u: &[f64]| limit - u.iter().sum::<f64>());
         print_rare("importance, limit state", inputs, p, 1000, 128, &mut limit_state);
     }
-    let mut branches = verdicts(|u| u[0] > 5.0 || u[1] < -5.0);
     let tail = normal::upper_tail(5.0);
-    print_rare("importance, two branches", 4, tail * (2.0 - tail), 200, 128, &mut branches);
     let mut island = verdicts(|u| u[0] > 5.0 || ((3.0..4.0).contains(&u[0]) && (-4.0..-3.0).contains(&u[1])));
     let side = normal::upper_tail(3.0) - normal::upper_tail(4.0);
     print_rare("importance, an island", 2, tail + side * side, 200, 128, &mut island);
     for (inputs, p) in [(2, 1e-3), (2, 1e-6), (2, 1e-9), (10, 1e-3), (10, 1e-6), (10, 1e-9)] {
         let limit = -normal::quantile(p) * (inputs as f64).sqrt();
         print_rare("subset", inputs, p, 60, 0, &mut verdicts(|u| u.iter().sum::<f64>() > limit));
+    }
+}
+
+/// Half-spaces beyond some distances, each along an input of its own: by verdicts, by the limit state that is the least of
+/// all, and by a limit state of each. One region has most of the probability, or all have about as much.
+fn separate_regions() {
+    heading("rare events in separate regions, 16 randomisations");
+    for (inputs, distances) in [
+        (4, &[5.0, 5.0][..]),
+        (4, &[4.0, 4.5][..]),
+        (10, &[4.0, 4.2][..]),
+        (4, &[5.0, 5.0, 5.0, 5.0][..]),
+        (4, &[4.0, 4.2, 4.4, 4.6][..]),
+        (10, &[4.0, 4.1, 4.2, 4.3][..]),
+    ] {
+        let tails = distances.iter().map(|distance| normal::upper_tail(*distance));
+        let p = tails.fold(0.0, |one_of_them, tail| one_of_them + tail - one_of_them * tail);
+        let states = |u: &[f64]| -> Vec<f64> { distances.iter().zip(u).map(|(distance, u)| distance - u).collect() };
+        let least = |u: &[f64]| states(u).into_iter().fold(f64::INFINITY, f64::min);
+        let count = distances.len();
+        let mut verdicts = verdicts(|u| least(u) < 0.0);
+        print_rare(&format!("importance, {count} regions, verdicts"), inputs, p, 1000, 128, &mut verdicts);
+        let mut limit_state = LimitState(least);
+        print_rare(&format!("importance, {count} regions, limit state"), inputs, p, 1000, 128, &mut limit_state);
+        let mut branches = LimitBranches::new(count, states);
+        print_rare(&format!("importance, {count} regions, branches"), inputs, p, 1000, 128, &mut branches);
     }
 }
 
@@ -561,7 +585,7 @@ fn audits() {
 
 fn main() {
     println!("Coverage: the share of intervals that contain the true value");
-    let sections: [(&str, fn()); 10] = [
+    let sections: [(&str, fn()); 11] = [
         ("binomial", binomial_intervals),
         ("surfaces", whole_surfaces),
         ("until", stopping),
@@ -569,6 +593,7 @@ fn main() {
         ("sobol", sobol_points),
         ("conditional", conditional_probabilities),
         ("rare", rare_events),
+        ("regions", separate_regions),
         ("indices", sobol_indices),
         ("differences", differences),
         ("audits", audits),

@@ -266,6 +266,24 @@ fn an_estimate_that_is_not_to_be_trusted_is_not_given() {
     }
 }
 
+/// Two masses that their damping feeds: nothing is stable, with twelve times the scatter neither.
+#[test]
+fn where_nothing_stable_is_found_there_is_no_number_either() {
+    let place = Place::new();
+    for (method, keys) in [("importance", "samples = 512"), ("subset", "particles = 60")] {
+        let text = format!(
+            "name = \"{method}\"\n[model]\nkind = \"matrices\"\nmass = {{ matrix = [[1, 0], [0, 1]] }}\n\
+             damping = [{{ matrix = [[-0.1, 0], [0, -0.1]] }}]\nstiffness = [{{ matrix = [[2, 0], [0, 3]], factor = \"k\" }}]\n\
+             [model.parameters]\nk = 1.0\n[random]\ninputs = [\"k\"]\nrelative_std = 0.001\n[criterion]\n\
+             kind = \"complex-eigenvalue\"\n[sampling]\nmethod = \"{method}\"\n{keys}\n"
+        );
+        let table = submitted(&place, method, &text);
+        let of = |name: &str| table.column(name)[0];
+        assert!(of("p_unstable").is_nan(), "{method}: {}", of("p_unstable"));
+        assert_eq!([of("distrust"), of("p_high"), of("n_audit_unstable")], [1.0, 1.0, 300.0], "{method}");
+    }
+}
+
 #[test]
 fn weights_are_refused_where_they_do_not_apply() {
     let place = Place::new();

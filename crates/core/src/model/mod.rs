@@ -310,9 +310,9 @@ pub trait Configuration: Any + Send + Sync {
         0
     }
 
-    /// The limit states of samples by one of these; `None` if there is no such.
-    fn limit_branch(&self, branch: usize, samples: &Columns<'_>) -> Option<Vec<f64>> {
-        let _ = (branch, samples);
+    /// All of these of each sample, which are found together: not a number where one has none. `None` if there are none.
+    fn branch_limit_states(&self, samples: &Columns<'_>) -> Option<Vec<Vec<f64>>> {
+        let _ = samples;
         None
     }
 

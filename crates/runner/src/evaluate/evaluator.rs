@@ -378,16 +378,18 @@ impl<'a> Evaluator<'a> {
         configuration.map_or(0, |configuration| configuration.limit_branches())
     }
 
-    /// Limit states of samples of a cell, where their model has them: those of the whole, or of a branch.
-    fn limit_states(&self, cell: &Cell, samples: &Samples, branch: Option<usize>) -> Option<Vec<f64>> {
+    /// Limit states of samples of a cell, where their model has them.
+    fn limit_states(&self, cell: &Cell, samples: &Samples) -> Option<Vec<f64>> {
         let configuration = self.criteria.configuration(self.job, self.job.grid.configuration_index(cell.index))?;
         let within = self.within(cell, samples);
-        let columns = within.columns();
-        let columns = Columns::new(within.len(), &columns);
-        match branch {
-            None => configuration.limit_states(&columns),
-            Some(branch) => configuration.limit_branch(branch, &columns),
-        }
+        configuration.limit_states(&Columns::new(within.len(), &within.columns()))
+    }
+
+    /// The further limit states of each of them.
+    fn branch_limit_states(&self, cell: &Cell, samples: &Samples) -> Option<Vec<Vec<f64>>> {
+        let configuration = self.criteria.configuration(self.job, self.job.grid.configuration_index(cell.index))?;
+        let within = self.within(cell, samples);
+        configuration.branch_limit_states(&Columns::new(within.len(), &within.columns()))
     }
 
     /// The samples that are decided: those outside the model are clamped if the job says so.
@@ -500,12 +502,28 @@ impl Integrand for DecidedIntegrand<'_> {
     }
 
     fn limit_states(&mut self, points: &DeviatePoints, _: &[Option<f64>]) -> Option<Vec<f64>> {
-        let samples = self.drawing.of_deviates(points.iter());
-        self.evaluator.limit_states(self.cell, samples, self.branch)
+        let Some(branch) = self.branch else {
+            let samples = self.drawing.of_deviates(points.iter());
+            return self.evaluator.limit_states(self.cell, samples);
+        };
+        let all = self.branch_states(points)?;
+        Some(all.iter().map(|states| states.get(branch).copied().unwrap_or(f64::NAN)).collect())
     }
 
     fn branches(&mut self) -> usize {
         self.evaluator.limit_branches(self.cell)
+    }
+
+    fn branch_states(&mut self, points: &DeviatePoints) -> Option<Vec<Vec<f64>>> {
+        let mut all = Vec::with_capacity(points.len());
+        for point in points.iter() {
+            if (self.is_stopped)() {
+                return None;
+            }
+            let samples = self.drawing.of_deviates(std::iter::once(point));
+            all.extend(self.evaluator.branch_limit_states(self.cell, samples)?);
+        }
+        Some(all)
     }
 
     fn select(&mut self, branch: Option<usize>) {

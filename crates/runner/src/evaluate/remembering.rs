@@ -229,6 +229,26 @@ impl Integrand for Remembering<'_> {
         self.integrand.select(branch);
     }
 
+    fn branch_states(&mut self, points: &Points) -> Option<Vec<Vec<f64>>> {
+        let count = self.integrand.branches();
+        let mut all = Vec::with_capacity(points.len());
+        for place in 0..points.len() {
+            if let Some(known) = self.answers.recalled(|answers| Some((answers.get(..count)?.to_vec(), count))) {
+                all.push(known);
+                continue;
+            }
+            if (self.is_stopped)() {
+                self.was_stopped = true;
+                return None;
+            }
+            let mut states = self.integrand.branch_states(&part(points, place, 1))?.pop().unwrap_or_default();
+            states.resize(count, f64::NAN);
+            self.answers.add(&states);
+            all.push(states);
+        }
+        Some(all)
+    }
+
     fn values(&mut self, points: &Points) -> Option<Vec<Option<f64>>> {
         let mut answers = Vec::with_capacity(points.len());
         let without = |value: Option<f64>| value.unwrap_or(f64::NAN);
@@ -279,7 +299,7 @@ pub(super) mod tests {
 
     use stickslip_sampler::draw::identity::{Purpose, block_generator};
     use stickslip_sampler::rare::exploration::{Effort, Search};
-    use stickslip_sampler::rare::points::LimitState;
+    use stickslip_sampler::rare::points::{LimitBranches, LimitState};
     use stickslip_sampler::rare::proposal::Proposal;
 
     use super::*;
@@ -346,6 +366,28 @@ pub(super) mod tests {
         assert_eq!(asked, all, "an answer was asked for twice");
         // What was found once is found again without an answer, but for the last ones, which no session kept.
         assert_eq!(found(Some(&keeper), usize::MAX).0, expected);
+    }
+
+    #[test]
+    fn limit_states_of_branches_are_asked_for_once() {
+        let keeper = InMemory::default();
+        let mut points = Points::new(2);
+        (0..20).for_each(|i| points.push([f64::from(i), 0.5]));
+        let states = |u: &[f64]| vec![3.0 - u[0], u[1], u[0] * u[1]];
+        let expected: Vec<Vec<f64>> = points.iter().map(states).collect();
+        let asked = Cell::new(0);
+        for most in [7, 11, usize::MAX] {
+            let mut integrand = LimitBranches::new(3, |point: &[f64]| {
+                asked.set(asked.get() + 1);
+                states(point)
+            });
+            let is_stopped = || asked.get() >= most;
+            let mut remembering = Remembering::new(&mut integrand, &keeper, (0, 0), &is_stopped);
+            let found = remembering.branch_states(&points);
+            assert_eq!(remembering.branches(), 3);
+            assert_eq!(remembering.finish(found), (most == usize::MAX).then(|| expected.clone()));
+        }
+        assert_eq!(asked.get(), 20, "an answer was asked for twice");
     }
 
     #[test]

@@ -217,8 +217,10 @@ pub struct Sampling {
     pub seed: u64,
     /// How the verdicts of the samples are found.
     pub evaluate: EvaluateMode,
-    /// Which looked-up samples are simulated as a check.
+    /// Which looked-up samples are simulated as a check, or how many plain samples each probability has beside it.
     pub audit: Audit,
+    /// The same where the spec does not say so.
+    pub usual_audit: Audit,
     /// Particles of a population, where rare events are looked for.
     pub particles: Option<u64>,
     /// Whether cells share their deviates.

@@ -14,7 +14,7 @@ use super::model::{OutsidePhysics, Tables, table_of, written};
 use super::random_spec::{RandomSpec, RelativeStdSpec, StdSpec};
 use super::sampling_key::Key;
 use super::sampling_numbers::Effort;
-use super::sampling_spec::{AUDIT, EvaluateMode, IntervalSpec, SamplingSpec, UntilSpec};
+use super::sampling_spec::{EvaluateMode, IntervalSpec, SamplingSpec, UntilSpec};
 use super::scatter::own_std;
 use super::spec::JobSpec;
 use super::validated::Job;
@@ -103,7 +103,8 @@ impl From<&Sampling> for SamplingSpec {
         let takes = |key: Key| sampling.method.takes(key);
         // What is integrated is audited with samples.
         let draws = sampling.samples > 0 || sampling.is_audited || sampling.has_plain_samples();
-        let has_audit = sampling.is_audited || sampling.evaluate == EvaluateMode::Boundary || sampling.audit != AUDIT;
+        let is_unusual = sampling.audit != sampling.usual_audit;
+        let has_audit = sampling.is_audited || sampling.evaluate == EvaluateMode::Boundary || is_unusual;
         let interval = sampling.interval.filter(|interval| *interval != IntervalSpec::Wilson);
         let if_true = |value: bool| value.then(|| written(true));
         Self {

@@ -14,7 +14,7 @@ use super::needs::{Asked, Need};
 use super::random::RandomInputSet;
 use super::sampling_key::is_true;
 use super::sampling_numbers::Effort;
-use super::sampling_spec::{AUDIT, Audit, EvaluateMode, SamplingSpec};
+use super::sampling_spec::{AUDIT, Audit, EvaluateMode, FEW_PLAIN_SAMPLES, SamplingSpec};
 
 /// Particles of a population.
 const PARTICLES: [u64; 2] = [50, 100_000];
@@ -46,7 +46,10 @@ impl Sampling {
             return None;
         }
         let has_maps = boundary == Boundary::Verdicts && method.map_use_with(spec.evaluate_mode()) != MapUse::Nothing;
-        let checked = Checked { confidence: confidence?, samples: samples?, audit: audit?, until: until? };
+        // Whether 300 or 16 are usual does not depend on whether the spec says 300.
+        let are_slow = others.is_some_and(|(_, model)| model.model().has_very_slow_samples());
+        let usual_audit = if are_slow && method.has_plain_samples() { FEW_PLAIN_SAMPLES } else { AUDIT };
+        let checked = Checked { confidence: confidence?, samples: samples?, audit: audit?, usual_audit, until: until? };
         let sampling = spec.resolved(method, has_maps, checked, cells);
         let sampling = complaints.take(sampling)?;
         let (inputs, model) = others?;
@@ -60,6 +63,7 @@ struct Checked {
     confidence: f64,
     samples: u64,
     audit: Option<Audit>,
+    usual_audit: Audit,
     until: Option<Precision>,
 }
 
@@ -107,8 +111,8 @@ impl SamplingSpec {
         checked: Checked,
         cells: u64,
     ) -> Result<Sampling, Complaint> {
-        let Checked { confidence, samples, audit, until } = checked;
-        let is_audited = has_maps && !audit.unwrap_or(AUDIT).is_nothing();
+        let Checked { confidence, samples, audit, usual_audit, until } = checked;
+        let is_audited = has_maps && !audit.unwrap_or(usual_audit).is_nothing();
         self.refuse_wilson_beyond_its_reach(confidence, is_audited)?;
         let of_a_cell = self.confidence_of_a_cell(confidence, cells);
         let for_counts = if is_audited { half_of_the_error(of_a_cell) } else { of_a_cell };
@@ -117,7 +121,7 @@ impl SamplingSpec {
                 let (audit, precision) = self.share_precision(precision, audit, for_counts)?;
                 (audit, Some(precision))
             }
-            precision => (audit.unwrap_or(AUDIT), precision),
+            precision => (audit.unwrap_or(usual_audit), precision),
         };
         Ok(Sampling {
             method,
@@ -130,6 +134,7 @@ impl SamplingSpec {
             seed: self.seed.as_ref().map_or(0, |seed| *seed.get_ref()),
             evaluate: self.evaluate_mode(),
             audit,
+            usual_audit,
             particles: method.particles().map(|default| self.checked_particles(default)).transpose()?,
             common_random_numbers: is_true(&self.common_random_numbers),
             confidence,

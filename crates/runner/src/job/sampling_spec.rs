@@ -8,6 +8,9 @@ use toml::Spanned;
 /// Audited samples of each cell by default.
 pub const AUDIT: Audit = Audit::Samples(300);
 
+/// Plain samples beside a probability by default where a sample takes long.
+pub const FEW_PLAIN_SAMPLES: Audit = Audit::Samples(16);
+
 /// Sampling of the random inputs.
 #[derive(Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]

@@ -20,11 +20,8 @@ use super::model::{JobModel, OutsidePhysics};
 use super::random::RandomInputSet;
 use super::reduction::Reduction;
 use super::sampling_numbers::Effort;
-use super::sampling_spec::{AUDIT, Audit};
+use super::sampling_spec::{Audit, FEW_PLAIN_SAMPLES};
 use crate::failure::Failure;
-
-/// Plain samples beside a probability where a sample takes long.
-const FEW_PLAIN_SAMPLES: u64 = 16;
 
 /// Largest number of verdict maps.
 pub const MOST_MAPS: usize = 1000;
@@ -172,17 +169,15 @@ impl Job {
     /// Plain samples of each cell beside its probability, where that does not come from such.
     pub fn plain_samples(&self) -> u64 {
         match self.sampling.audit {
-            Audit::Samples(_) | Audit::Share(_) if !self.sampling.has_plain_samples() => 0,
-            AUDIT if self.model().has_very_slow_samples() => FEW_PLAIN_SAMPLES,
-            Audit::Samples(samples) => samples,
-            Audit::Share(_) => 0,
+            Audit::Samples(samples) if self.sampling.has_plain_samples() => samples,
+            Audit::Samples(_) | Audit::Share(_) => 0,
         }
     }
 
     /// How many of them there are however long a sample takes, which is not known of a model without its files.
     pub fn certain_plain_samples(&self) -> u64 {
-        match self.sampling.audit {
-            AUDIT => self.plain_samples().min(FEW_PLAIN_SAMPLES),
+        match FEW_PLAIN_SAMPLES {
+            Audit::Samples(few) if self.sampling.audit == self.sampling.usual_audit => self.plain_samples().min(few),
             _ => self.plain_samples(),
         }
     }

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use crate::output::counted;
-use crate::picture::view::round;
+use crate::picture::view::{round, rounded};
 
 /// Where the colours of differences are fixed, from the most negative to the most positive: blue, white, red.
 const COLOURS: [(f64, &str); 5] =
@@ -51,14 +51,21 @@ impl Comparison {
         let compared: Vec<&ComparedCell> = self.cells.iter().flatten().collect();
         let more = compared.iter().filter(|cell| cell.low > 0.0).count();
         let less = compared.iter().filter(|cell| cell.high < 0.0).count();
-        let known = compared.iter().filter_map(|cell| cell.difference);
-        let largest = known.max_by(|a, b| a.abs().total_cmp(&b.abs()));
+        let known = || compared.iter().filter_map(|cell| cell.difference);
+        let without = match compared.len() - known().count() {
+            0 => String::new(),
+            without => {
+                let cells = counted(without as u128, "cell is", "cells are");
+                format!("{cells} without a probability in one run or both. ")
+            }
+        };
+        let largest = known().max_by(|a, b| a.abs().total_cmp(&b.abs()));
         let largest = largest.map_or("No difference is known.".to_owned(), |largest| {
-            format!("The largest difference is {}.", round(largest))
+            format!("The largest difference is {}.", rounded(largest))
         });
         format!(
             "Of {} in both, P of {second} is larger than that of {first} in {more}, and smaller in {less}: there the {} of \
-             the difference excludes 0. {largest}",
+             the difference excludes 0. {without}{largest}",
             counted(compared.len() as u128, "cell", "cells"),
             self.interval_name
         )
@@ -78,12 +85,18 @@ mod tests {
         assert_eq!(
             summary(vec![cell(None, -1.0, 1.0), None]),
             "Of 1 cell in both, P of b is larger than that of a in 0, and smaller in 0: there the 95 % interval of the \
-             difference excludes 0. No difference is known."
+             difference excludes 0. 1 cell is without a probability in one run or both. No difference is known."
         );
         assert_eq!(
             summary(vec![cell(Some(0.1), 0.05, 0.2), cell(Some(-0.3), -0.4, -0.2), cell(Some(0.0), -0.1, 0.1)]),
             "Of 3 cells in both, P of b is larger than that of a in 1, and smaller in 1: there the 95 % interval of the \
              difference excludes 0. The largest difference is -0.3."
+        );
+        assert_eq!(
+            summary(vec![cell(None, -1.0, 1.0), cell(Some(2.5e-7), 1e-7, 4e-7), cell(None, -1.0, 1.0)]),
+            "Of 3 cells in both, P of b is larger than that of a in 1, and smaller in 0: there the 95 % interval of the \
+             difference excludes 0. 2 cells are without a probability in one run or both. The largest difference is \
+             2.5e-7."
         );
     }
 }

@@ -15,6 +15,9 @@
 //!
 //! It starts from the origin, and then from the points that were tried whose limit state is farthest below what the design
 //! points found so far make of it. A region is that of a plane only if a few samples around its design point agree.
+//!
+//! The least of several limit states, as of single modes, hides a region behind the nearest one, be it the smaller. So each of
+//! these branches is followed by itself, too: from the origin, and from the tried point where it is least.
 
 use crate::estimate::conditional::effective_number;
 use crate::estimate::weighted::Event;
@@ -43,7 +46,7 @@ const DIFFERENCE: f64 = 0.01;
 const CLOSE: f64 = 0.1;
 const SAME: f64 = 0.5;
 
-/// A branch whose limit state is linear at the origin matters up to this distance of its design point from there.
+/// A branch matters up to this distance of its design point from the origin, by its limit state there or by that point itself.
 const FARTHEST_BRANCH: f64 = 9.0;
 
 /// Samples around a design point; their effective number over this, and the factor between the probabilities that they and
@@ -76,6 +79,9 @@ impl Region {
     }
 }
 
+/// Points from which steps lead to design points.
+type Starts = Vec<Vec<f64>>;
+
 /// A limit state that is linear around a point.
 struct Linear {
     gradient: Vec<f64>,
@@ -86,6 +92,16 @@ struct Linear {
 }
 
 impl Linear {
+    /// From the limit state at a point and at those beside it, with `e`; `None` if it has no gradient there.
+    fn new(point: &[f64], states: &[f64], extra: f64) -> Option<Self> {
+        let (here, beside) = states.split_first()?;
+        let gradient: Vec<f64> = beside.iter().map(|state| (state - here) / DIFFERENCE).collect();
+        let scale = square(&gradient) + extra;
+        let along: f64 = gradient.iter().zip(point).map(|(slope, u)| slope * u).sum();
+        let offset = here - along;
+        (scale > 0.0 && scale.is_finite() && offset.is_finite()).then_some(Self { gradient, scale, offset })
+    }
+
     fn target(&self) -> Vec<f64> {
         let factor = -self.offset.max(0.0) / self.scale;
         self.gradient.iter().map(|slope| factor * slope).collect()
@@ -134,6 +150,16 @@ fn is_conditional(value: f64) -> bool {
     0.0 < value && value < 1.0
 }
 
+/// A point, and those beside it whose differences from it make a gradient.
+fn differences(point: &[f64]) -> Points {
+    let mut points = Points::new(point.len());
+    points.push(point.iter().copied());
+    for moved in 0..point.len() {
+        points.push(point.iter().enumerate().map(|(i, u)| if i == moved { u + DIFFERENCE } else { *u }));
+    }
+    points
+}
+
 fn distance(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
 }
@@ -172,9 +198,9 @@ impl Search<'_> {
             let linear = self.design_point(start, &found)?;
             found.extend(linear);
         }
-        if self.event() == Event::Instability {
-            for branch in 0..self.branches() {
-                found.extend(self.design_point_of(branch, explored, &found)?);
+        if self.event() == Event::Instability && self.branches() > 0 {
+            for (branch, starts) in self.branch_starts(explored)?.into_iter().enumerate() {
+                found.extend(self.design_point_of(branch, &starts, &found)?);
             }
         }
         let mut regions = Vec::new();
@@ -188,34 +214,44 @@ impl Search<'_> {
         Some(regions)
     }
 
-    /// The limit state of a branch around the design point to which steps lead from the origin or, where none is found from
-    /// there, from the tried point with the least; as [`Search::design_point`].
-    fn design_point_of(&mut self, branch: usize, explored: &Explored, found: &[Linear]) -> Option<Option<Linear>> {
-        self.select(Some(branch));
+    /// From where steps are to lead to a design point of each branch, in this order: from the origin, if the plane that its limit
+    /// state is about there is near enough, and from the tried point with the least, if that is below zero or the origin is a
+    /// start. A branch without a start is nowhere near the event. `None` if it is stopped before.
+    ///
+    /// What is computed at a point serves all branches, so that their number costs nothing here.
+    fn branch_starts(&mut self, explored: &Explored) -> Option<Vec<Starts>> {
         let origin = vec![0.0; self.dimensions()];
-        let from_origin = self.linear(&origin);
-        let is_near = |linear: &Linear| linear.beta() < FARTHEST_BRANCH;
-        let mut linear = None;
-        if from_origin.as_ref().is_some_and(|found| found.as_ref().is_some_and(|(linear, ..)| is_near(linear))) {
-            linear = self.design_point(&origin, found);
-            if linear.as_ref().is_some_and(Option::is_none) {
-                linear = self.design_point_near_the_least(explored, found);
+        let at_origin = self.branch_states(&differences(&origin))?;
+        let mut tried = Points::new(self.dimensions());
+        explored.with_limit_state.iter().for_each(|(point, _)| tried.push(point.iter().copied()));
+        let at_tried = self.branch_states(&tried)?;
+        let starts = |branch: usize| {
+            let of_branch = |states: &Vec<f64>| states.get(branch).copied().unwrap_or(f64::NAN);
+            let around_origin: Vec<f64> = at_origin.iter().map(of_branch).collect();
+            let plane = Linear::new(&origin, &around_origin, 0.0);
+            let is_near = plane.is_some_and(|plane| plane.beta() < FARTHEST_BRANCH);
+            let states = tried.iter().zip(at_tried.iter().map(of_branch)).filter(|(_, state)| !state.is_nan());
+            let least = states.min_by(|a, b| a.1.total_cmp(&b.1));
+            let least = least.filter(|(_, state)| is_near || *state < 0.0);
+            let from_origin = is_near.then(|| origin.clone());
+            from_origin.into_iter().chain(least.map(|(point, _)| point.to_vec())).collect::<Starts>()
+        };
+        Some((0..self.branches()).map(starts).collect())
+    }
+
+    /// The limit state of a branch around the first design point to which steps lead from one of these starts; as
+    /// [`Search::design_point`].
+    fn design_point_of(&mut self, branch: usize, starts: &[Vec<f64>], found: &[Linear]) -> Option<Option<Linear>> {
+        self.select(Some(branch));
+        let mut linear = Some(None);
+        for start in starts {
+            linear = self.design_point(start, found);
+            if !matches!(linear, Some(None)) {
+                break;
             }
-        } else if from_origin.is_some() {
-            linear = Some(None);
         }
         self.select(None);
         Some(linear?.filter(|linear| linear.beta() < FARTHEST_BRANCH))
-    }
-
-    /// The same from the tried point that has the least limit state of the branch.
-    fn design_point_near_the_least(&mut self, explored: &Explored, found: &[Linear]) -> Option<Option<Linear>> {
-        let mut points = Points::new(self.dimensions());
-        explored.with_limit_state.iter().for_each(|(point, _)| points.push(point.iter().copied()));
-        let (_, states) = self.evaluate_limit_states(&points)?;
-        let least = points.iter().zip(states).filter(|(_, state)| !state.is_nan()).min_by(|a, b| a.1.total_cmp(&b.1));
-        let Some(start) = least.map(|(point, _)| point.to_vec()) else { return Some(None) };
-        self.design_point(&start, found)
     }
 
     /// The limit state around the design point to which steps lead; the inner `None` if they lead to one that is known or
@@ -253,21 +289,9 @@ impl Search<'_> {
     /// The limit state around a point, its value there and `g`; the inner `None` where it has no gradient, the outer one
     /// if it is stopped before.
     fn linear(&mut self, point: &[f64]) -> Option<Option<(Linear, f64, Option<f64>)>> {
-        let mut points = Points::new(point.len());
-        points.push(point.iter().copied());
-        for moved in 0..point.len() {
-            points.push(point.iter().enumerate().map(|(i, u)| if i == moved { u + DIFFERENCE } else { *u }));
-        }
-        let (values, states) = self.evaluate_limit_states(&points)?;
-        let gradient: Vec<f64> = states[1..].iter().map(|state| (state - states[0]) / DIFFERENCE).collect();
+        let (values, states) = self.evaluate_limit_states(&differences(point))?;
         let extra = if values[0].is_some_and(is_conditional) { 1.0 } else { 0.0 };
-        let scale = square(&gradient) + extra;
-        let along: f64 = gradient.iter().zip(point).map(|(slope, u)| slope * u).sum();
-        let offset = states[0] - along;
-        if !(scale > 0.0 && scale.is_finite() && offset.is_finite()) {
-            return Some(None);
-        }
-        Some(Some((Linear { gradient, scale, offset }, states[0], values[0])))
+        Some(Linear::new(point, &states, extra).map(|linear| (linear, states[0], values[0])))
     }
 
     /// What samples say of a region; `None` if it is stopped before.
@@ -380,6 +404,82 @@ mod tests {
             found += regions.len();
         }
         assert!(found >= 55, "{found} of 60");
+    }
+
+    /// Branches, and a limit state of the whole that is that of the first alone: nothing else leads to the others.
+    struct Hidden<S> {
+        states: S,
+        count: usize,
+        selected: usize,
+    }
+
+    impl<S: Fn(&[f64]) -> Vec<f64>> Integrand for Hidden<S> {
+        fn values(&mut self, points: &Points) -> Option<Vec<Option<f64>>> {
+            let is_unstable = |point: &[f64]| (self.states)(point).iter().any(|state| *state < 0.0);
+            Some(points.iter().map(|point| Some(f64::from(u8::from(is_unstable(point))))).collect())
+        }
+
+        fn limit_states(&mut self, points: &Points, _: &[Option<f64>]) -> Option<Vec<f64>> {
+            Some(points.iter().map(|point| (self.states)(point)[self.selected]).collect())
+        }
+
+        fn branches(&mut self) -> usize {
+            self.count
+        }
+
+        fn select(&mut self, branch: Option<usize>) {
+            self.selected = branch.unwrap_or(0);
+        }
+
+        fn branch_states(&mut self, points: &Points) -> Option<Vec<Vec<f64>>> {
+            Some(points.iter().map(&self.states).collect())
+        }
+    }
+
+    /// Whether the mean of a region is near a point.
+    fn is_around(region: &Region, point: &[f64]) -> bool {
+        distance(region.density.mean(), point) < 0.6
+    }
+
+    #[test]
+    fn a_region_that_another_branch_hides_has_a_design_point() {
+        // A plane whose limit state is small everywhere, and a sphere of radius 2 around a point at 4.5, from outside of which
+        // it is far. The second mode has the more probable region by two orders of magnitude.
+        let states = |u: &[f64]| {
+            let sphere = square(u) - 4.5 * u[1..].iter().sum::<f64>() + 4.5 * 4.5 - 4.0;
+            vec![0.025 * (4.5 - u[0]), sphere / 3.3]
+        };
+        for seed in 0..20 {
+            let mut hidden = Hidden { states, count: 2, selected: 0 };
+            let (regions, _) = regions(5, seed, &mut hidden);
+            assert_eq!(hidden.selected, 0, "the limit state of the whole is asked for again");
+            // The means of a standard normal deviate above 4.5, and above 2.5, which is shared by four inputs.
+            assert!(regions.iter().any(|region| is_around(region, &[4.7, 0.0, 0.0, 0.0, 0.0])), "seed {seed}");
+            assert!(regions.iter().any(|region| is_around(region, &[0.0, 1.41, 1.41, 1.41, 1.41])), "seed {seed}");
+        }
+    }
+
+    #[test]
+    fn a_branch_that_seems_far_from_the_origin_is_followed_from_a_tried_point_beyond_it() {
+        // Flat at the origin, and below zero beyond 5.48 to both sides.
+        let states = |u: &[f64]| vec![4.5 - u[0], 30.0 - u[1] * u[1]];
+        for seed in 0..10 {
+            let (regions, _) = regions(5, seed, &mut Hidden { states, count: 2, selected: 0 });
+            let beyond = |side: f64| [0.0, side * 5.65, 0.0, 0.0, 0.0];
+            let is_found = |region: &Region| is_around(region, &beyond(1.0)) || is_around(region, &beyond(-1.0));
+            assert!(regions.iter().any(is_found), "seed {seed}: {regions:?}");
+        }
+    }
+
+    #[test]
+    fn branches_that_nothing_leads_to_cost_nothing() {
+        let with = |far: usize| {
+            let states = move |u: &[f64]| [vec![4.5 - u[0], 4.8 - u[1]], vec![50.0 - 0.1 * u[2]; far]].concat();
+            let (regions, evaluations) = regions(5, 1, &mut Hidden { states, count: 2 + far, selected: 0 });
+            (regions.len(), evaluations)
+        };
+        assert_eq!(with(0).0, 2);
+        assert_eq!(with(50), with(0));
     }
 
     #[test]

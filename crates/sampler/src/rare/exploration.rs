@@ -213,6 +213,12 @@ impl<'a> Search<'a> {
         self.integrand.select(branch);
     }
 
+    /// The limit states of all of them at each point, not a number where one has none; `None` if it is stopped before.
+    pub(super) fn branch_states(&mut self, points: &Points) -> Option<Vec<Vec<f64>>> {
+        self.evaluations += points.len() as u64;
+        self.integrand.branch_states(points)
+    }
+
     /// Whether the event has limit states.
     pub(super) fn has_limit_states(&mut self) -> bool {
         self.integrand.limit_states(&Points::new(self.dimensions), &[]).is_some()

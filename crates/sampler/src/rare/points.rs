@@ -80,6 +80,13 @@ pub trait Integrand {
     fn select(&mut self, branch: Option<usize>) {
         let _ = branch;
     }
+
+    /// All of them at each point, which are found together: not a number where one has none. `None` if it is stopped
+    /// before, or if there are none.
+    fn branch_states(&mut self, points: &Points) -> Option<Vec<Vec<f64>>> {
+        let _ = points;
+        None
+    }
 }
 
 impl<F: FnMut(&Points) -> Option<Vec<Option<f64>>>> Integrand for F {
@@ -127,6 +134,54 @@ impl<S: FnMut(&[f64]) -> f64> Integrand for LimitState<S> {
     }
 }
 
+/// Limit states of branches, by a closure that returns all of them at a point: `g` is 1 where one of them is below zero. The
+/// limit state of the whole is the least.
+pub struct LimitBranches<S> {
+    states: S,
+    count: usize,
+    selected: Option<usize>,
+}
+
+impl<S: FnMut(&[f64]) -> Vec<f64>> LimitBranches<S> {
+    /// So many branches.
+    #[must_use]
+    pub fn new(count: usize, states: S) -> Self {
+        Self { states, count, selected: None }
+    }
+
+    fn state(&mut self, point: &[f64], branch: Option<usize>) -> f64 {
+        let states = (self.states)(point);
+        match branch {
+            Some(branch) => states.get(branch).copied().unwrap_or(f64::NAN),
+            None => states.into_iter().fold(f64::INFINITY, f64::min),
+        }
+    }
+}
+
+impl<S: FnMut(&[f64]) -> Vec<f64>> Integrand for LimitBranches<S> {
+    fn values(&mut self, points: &Points) -> Option<Vec<Option<f64>>> {
+        let value = |state: f64| Some(if state < 0.0 { 1.0 } else { 0.0 });
+        Some(points.iter().map(|point| value(self.state(point, None))).collect())
+    }
+
+    fn limit_states(&mut self, points: &Points, _: &[Option<f64>]) -> Option<Vec<f64>> {
+        let selected = self.selected;
+        Some(points.iter().map(|point| self.state(point, selected)).collect())
+    }
+
+    fn branches(&mut self) -> usize {
+        self.count
+    }
+
+    fn select(&mut self, branch: Option<usize>) {
+        self.selected = branch;
+    }
+
+    fn branch_states(&mut self, points: &Points) -> Option<Vec<Vec<f64>>> {
+        Some(points.iter().map(&mut self.states).collect())
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -141,5 +196,18 @@ mod tests {
         assert!(states.is_sorted() && states[0] == -40.0 && states[2] == 0.0 && states[5] == 40.0, "{states:?}");
         assert!((states[3] - 5.997_807_015_007_687).abs() < 1e-12, "{states:?}");
         assert!(integrand.limit_states(&points, &[None]).unwrap()[0].is_nan());
+    }
+
+    #[test]
+    fn the_limit_state_of_all_branches_is_the_least() {
+        let mut integrand = LimitBranches::new(2, |u: &[f64]| vec![3.0 - u[0], 2.0 + u[0]]);
+        let mut points = Points::new(1);
+        [0.0, 3.5, -2.5].iter().for_each(|u| points.push([*u]));
+        assert_eq!(integrand.values(&points).unwrap(), [0.0, 1.0, 1.0].map(Some));
+        assert_eq!(integrand.limit_states(&points, &[]).unwrap(), [2.0, -0.5, -0.5]);
+        assert_eq!(integrand.branch_states(&points).unwrap(), [[3.0, 2.0], [-0.5, 5.5], [5.5, -0.5]]);
+        integrand.select(Some(1));
+        assert_eq!(integrand.limit_states(&points, &[]).unwrap(), [2.0, 5.5, -0.5]);
+        assert_eq!((integrand.branches(), integrand.values(&points).unwrap()[2]), (2, Some(1.0)));
     }
 }

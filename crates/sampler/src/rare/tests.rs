@@ -1,7 +1,8 @@
 //! Whole estimates, against probabilities in closed form.
 
-use crate::estimate::weighted::WeightedEstimate;
-use crate::rare::points::{Integrand, LimitState, Points};
+use crate::estimate::weighted::{Distrust, WeightedEstimate};
+use crate::rare::points::{Integrand, LimitBranches, LimitState, Points};
+use crate::rare::scatters::square;
 use crate::rare::whole;
 use crate::special_functions::normal;
 
@@ -116,6 +117,34 @@ fn a_probability_near_one_is_resolved_as_well_as_one_near_zero() {
     let certain = weighted(2, 128, 1, &|_| true).estimate;
     assert_eq!((certain.probability, certain.high), (None, 1.0));
     assert!(certain.low > 0.98 && certain.low < 1.0, "{certain:?}");
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
+fn a_region_that_a_nearer_limit_state_hides_is_not_lost() {
+    // A plane at 4.5 whose limit state is small everywhere, and a sphere of radius 2 around a point at 4.5: by the noncentral
+    // distribution of chi squared, both have 7.790e-4, the plane alone 3.4e-6.
+    let states = |u: &[f64]| {
+        let sphere = square(u) - 4.5 * u[1..].iter().sum::<f64>() + 4.5 * 4.5 - 4.0;
+        vec![0.025 * (4.5 - u[0]), sphere / 3.3]
+    };
+    let (truth, mut held) = (7.790e-4, 0);
+    for seed in 0..20 {
+        let found = whole::importance(5, 128, seed, 0.95, &mut LimitBranches::new(2, states)).unwrap().estimate;
+        let is_near = found.probability.is_none_or(|p| (p / truth - 1.0).abs() < 0.25);
+        assert!(is_near, "seed {seed}: {found:?}");
+        held += u32::from(found.probability.is_some() && found.low <= truth && truth <= found.high);
+    }
+    assert!(held >= 16, "{held} of 20");
+}
+
+#[test]
+fn populations_that_find_nothing_stable_have_no_number_as_those_that_find_nothing_unstable() {
+    for (is_unstable, mean) in [(true, 1.0), (false, 0.0)] {
+        let found = whole::subset(2, 60, 1, 0.95, &mut verdicts(&|_| is_unstable)).unwrap();
+        assert_eq!((found.estimate.probability, found.distrust), (None, Some(Distrust::NothingFound)));
+        assert_eq!([found.mean, found.estimate.low, found.estimate.high], [mean, 0.0, 1.0]);
+    }
 }
 
 #[test]

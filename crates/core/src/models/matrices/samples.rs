@@ -217,13 +217,15 @@ impl Configuration for Samples {
         }
     }
 
-    fn limit_branch(&self, branch: usize, samples: &Columns<'_>) -> Option<Vec<f64>> {
+    fn branch_limit_states(&self, samples: &Columns<'_>) -> Option<Vec<Vec<f64>>> {
         let Problem::Dense(problem) = &self.shared.problem else { return None };
-        let state = |sample: usize| {
-            let values = problem.at(&self.coefficients(samples, sample)).eigenvalues().ok()?;
-            limit_states(&values, &self.shared.scaled).get(branch).copied()
+        let states = |sample: usize| {
+            let values = problem.at(&self.coefficients(samples, sample)).eigenvalues();
+            let mut states = values.map(|values| limit_states(&values, &self.shared.scaled)).unwrap_or_default();
+            states.resize(problem.size(), f64::NAN);
+            states
         };
-        Some((0..samples.len()).map(|sample| state(sample).unwrap_or(f64::NAN)).collect())
+        Some((0..samples.len()).map(states).collect())
     }
 
     fn critical_values(&self) -> Option<&dyn CriticalValues> {

@@ -286,6 +286,9 @@ fn slice_picture(
     let ends = [columns.first(), columns.last()].map(|column| column.map_or(0.0, |&column| horizontal.values[column]));
     text += &foot(&horizontal.name, ends, drawn.len() * width);
     text += "          = below -0.1, - to -0.01, ' ' to 0.01, + to 0.1, # 0.1 and more";
+    if slice.values().any(|row| row.difference.value.is_none()) {
+        text += "\n          ? without a probability in one run or both";
+    }
     if slice.len() < rows.len() * columns.len() {
         text += "\n          . not in both runs";
     }
@@ -384,4 +387,15 @@ fn of_further_axes(compared: &[Differences<'_>]) -> Vec<TableColumn> {
         }
     };
     first.job.model().quantities().iter().filter(|quantity| is_axis(quantity)).map(column).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_difference_of_rare_events_has_six_digits() {
+        let written = [1.234_567_89e-7, -9.876_543_21e-4, 0.0, 0.123_456_7].map(signed);
+        assert_eq!(written, ["+1.23457e-7", "-9.87654e-4", "+0.00000", "+0.12346"]);
+    }
 }

@@ -83,6 +83,28 @@ fn limits_belong_to_no_identity() {
     assert_eq!((with.hash(), with.normalised()), (plain.hash(), plain.normalised()));
 }
 
+/// Of a motion on a flexible disc 16 plain samples are usual, else 300.
+#[test]
+fn a_given_number_of_plain_samples_is_taken_where_it_is_that_of_other_models_too() {
+    let of = |criterion: &str, audit: &str| {
+        job(&format!(
+            "name = \"j\"\n[axes]\npreload = [0.05, 0.1]\n[random]\ninputs = [\"preload\", \"static_friction\"]\n\
+             relative_std = 0.2\n[criterion]\nkind = \"time-domain\"\n{criterion}\n[sampling]\nmethod = \"importance\"\n\
+             samples = 1024\n{audit}\n"
+        ))
+    };
+    for (criterion, usual, other) in [("disc = \"flexible\"\ndisc_modes = 5", 16, 300), ("disc = \"rigid\"", 300, 16)] {
+        let plain = of(criterion, "");
+        let [same, differing] = [usual, other].map(|samples| of(criterion, &format!("audit = {samples}")));
+        assert_eq!([plain.plain_samples(), same.plain_samples(), differing.plain_samples()], [usual, usual, other]);
+        assert!(plain.hash() == same.hash() && plain.hash() != differing.hash(), "{criterion}");
+        for job_of in [plain, same, differing] {
+            assert_eq!(job(&job_of.normalised()).plain_samples(), job_of.plain_samples(), "{criterion}");
+        }
+        assert_eq!(of(criterion, "audit = 0").plain_samples(), 0);
+    }
+}
+
 #[test]
 fn identities_do_not_change_with_the_libraries() {
     // Of format version 1 and results version 1.

@@ -157,6 +157,18 @@ fn populations_are_averaged() {
     assert_eq!(found.evaluations, 400.0);
     assert_eq!(populations(&[1e-6, 1e-9, 1e-9, 1e-9]).distrust, Some(Distrust::Disagreement));
     assert_eq!(populations(&[0.0; 4]).distrust, Some(Distrust::NothingFound));
+    // Nothing stable is no number either.
+    let of_stability = |probability: f64| {
+        let mut sums = WeightedSums::default();
+        sums.add_population(probability, 0.0, [0.0; 2], Event::Stability);
+        estimate_of_populations(&[WeightedPart::from_sums(1, &sums.sums().map(i128::from)); 16], 0.95)
+    };
+    let certain = of_stability(0.0);
+    assert_eq!((certain.distrust, certain.estimate.probability), (Some(Distrust::NothingFound), None));
+    assert_eq!([certain.mean, certain.estimate.low, certain.estimate.high], [1.0, 0.0, 1.0]);
+    let nearly_certain = of_stability(1e-5);
+    assert_eq!(nearly_certain.distrust, None);
+    assert!((nearly_certain.estimate.probability.unwrap() - 0.999_99).abs() < 1e-15);
     let nearly = populations(&[1e-80; 4]);
     assert_eq!((nearly.distrust, nearly.estimate.probability), (None, Some(0.0)));
     // Equal populations that found everything unstable have the interval of the samples that they tried.
