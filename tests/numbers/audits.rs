@@ -114,6 +114,8 @@ fn what_critical_values_leave_open_is_said_without_plain_samples_too() {
     assert!(table.column("p_high")[0] - table.column("p_low")[0] > 1e-3);
     assert_eq!(table.column("distrust"), [6.0]);
     assert!(table.column("p_unstable")[0].is_nan());
+    let said = place.run("submit open.toml --out open").done();
+    assert!(said.stdout.contains("no probability, only "), "{}", said.stdout);
     // So it is of conditional probabilities that are open.
     let conditional = open.replace("[\"friction\"]", "[\"friction\", \"k\"]");
     let conditional = conditional.replace("method = \"exact\"", "method = \"conditional\"\nsamples = 64");
