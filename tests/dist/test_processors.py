@@ -64,14 +64,27 @@ def chain(place: Path) -> None:
         (place / f"{name}.txt").write_text("\n".join([heading, *lines, ""]))
 
 
-def surface(folder: Path, place: Path, name: str, processor: str | None) -> tuple[bytes, str]:
-    """The surface of a job, computed by this processor or by an emulated one, and what was said."""
+def said(folder: Path, place: Path, processor: str | None, *words: object) -> str:
+    """What the program says on standard error, run by this processor or by an emulated one."""
     emulator = [] if processor is None else [tool("qemu-x86_64"), "-cpu", processor]
-    run = place / f"{name}-{processor}"
-    command = [*emulator, folder / "bin" / "stickslip", "submit", f"{name}.toml", "--out", run, "--threads", "1"]
-    done = subprocess.run([str(word) for word in command], cwd=place, capture_output=True, text=True, check=False)
+    command = [str(word) for word in (*emulator, folder / "bin" / "stickslip", *words)]
+    done = subprocess.run(command, cwd=place, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
-    return (run / "surface.parquet").read_bytes(), done.stderr
+    return done.stderr
+
+
+def surface(folder: Path, place: Path, name: str, processor: str | None) -> tuple[bytes, str]:
+    """The surface of a job, and what was said."""
+    run = place / f"{name}-{processor}"
+    text = said(folder, place, processor, "submit", f"{name}.toml", "--out", run, "--threads", "1")
+    return (run / "surface.parquet").read_bytes(), text
+
+
+def reduction(folder: Path, place: Path, processor: str | None) -> tuple[bytes, str, str]:
+    """The matrices of a reduction, its job, and what was said."""
+    job = place / f"reduced-{processor}.toml"
+    text = said(folder, place, processor, "reduce", "full.toml", "--vectors", "12", "--audit", "2", "--out", job.name)
+    return job.with_suffix(".mat").read_bytes(), job.read_text(), text
 
 
 def csv(folder: Path, run: Path) -> dict[str, float]:
@@ -103,11 +116,11 @@ def test_an_older_processor_gives_the_same_bytes(folder: Path, place: Path, name
 def test_full_matrices_give_the_same_bytes_on_processors_with_avx2_and_nearly_the_same_on_others(
     folder: Path, place: Path
 ) -> None:
-    here, said = surface(folder, place, "full", None)
-    assert "AVX2" not in said
+    here, text = surface(folder, place, "full", None)
+    assert "AVX2" not in text
     assert surface(folder, place, "full", LIKE_THIS)[0] == here
-    other, said = surface(folder, place, "full", OLDER)
-    assert "lacks AVX2 or FMA" in said
+    other, text = surface(folder, place, "full", OLDER)
+    assert "lacks AVX2 or FMA" in text
     # The emulator hides instructions from the library that factorises, or this test compares nothing.
     assert other != here
     values = [csv(folder, place / f"full-{processor}") for processor in (None, OLDER)]
@@ -115,3 +128,17 @@ def test_full_matrices_give_the_same_bytes_on_processors_with_avx2_and_nearly_th
     for column in ["p_unstable", "p_low", "p_high"]:
         assert abs(values[1][column] - values[0][column]) < 1e-11, column
     assert values[1]["n_audit_unstable"] == values[0]["n_audit_unstable"]
+
+
+def test_a_reduction_with_other_last_digits_says_so(folder: Path, place: Path) -> None:
+    here, job, text = reduction(folder, place, None)
+    assert "AVX2" not in text + job
+    matrices, job, text = reduction(folder, place, LIKE_THIS)
+    assert matrices == here
+    assert "AVX2" not in text + job
+    matrices, job, text = reduction(folder, place, OLDER)
+    # So its job is another one.
+    assert matrices != here
+    for words in (text, job):
+        assert "lacks AVX2 or FMA" in words
+        assert "the identity of the job" in words

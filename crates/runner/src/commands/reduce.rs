@@ -13,6 +13,7 @@ use stickslip_core::model::Columns;
 use stickslip_core::models::matrices::error::Error;
 use stickslip_core::models::matrices::full::audit::missing;
 use stickslip_core::models::matrices::full::band::{Band, KrylovLimit};
+use stickslip_core::models::matrices::full::has_common_instructions;
 use stickslip_core::models::matrices::full::quadratic::Coefficients;
 use stickslip_core::models::matrices::full::reduction::{Recipe, Reduced, Reduction as Basis};
 use stickslip_core::models::matrices::model::MatrixModel;
@@ -45,6 +46,10 @@ const MODES_UP_TO: f64 = 2.0;
 
 /// A mode of the full matrices is missing if no reduced eigenvalue is as near as this, relative to it.
 const TOLERANCE: f64 = 0.01;
+
+/// What is said, and written into the job, of a reduction whose last digits are not those of most processors. Its job has
+/// digests of the matrices, so it is another job than that of a reduction elsewhere.
+const OTHER_DIGITS: &str = "reduced on a processor that lacks AVX2 or FMA: the last digits of the matrices, and with them the identity of the job, are others than on processors with both; to go on with its runs elsewhere, take the job and its matrices along, and do not reduce again";
 
 /// `stickslip reduce`.
 pub fn reduce(arguments: &ReduceArguments) -> Result<(), Failure> {
@@ -117,7 +122,8 @@ pub fn reduce(arguments: &ReduceArguments) -> Result<(), Failure> {
     let mut mat = Vec::new();
     mat::write_matrices(&named_matrices(&reduced), &mut mat)
         .map_err(|error| Failure::writing(&directory.join(&mat_name), error))?;
-    let head: String = text.lines().map(|line| format!("# {line}\n")).collect();
+    let other_digits = (!has_common_instructions()).then_some(OTHER_DIGITS);
+    let head: String = text.lines().chain(other_digits).map(|line| format!("# {line}\n")).collect();
     let file = path.file_name().unwrap_or_default().to_string_lossy();
     let head = format!("# The job {file}, its matrices reduced by stickslip {VERSION}:\n{head}\n");
     // Of two reductions with one name, the second finds other matrices or the job of the first.
@@ -133,7 +139,7 @@ pub fn reduce(arguments: &ReduceArguments) -> Result<(), Failure> {
         return Err(Failure::Usage(format!("{} appeared meanwhile; name another file", named.display())));
     }
     kept.forget();
-    warn(found.warnings());
+    warn(found.warnings().into_iter().chain(other_digits.map(str::to_owned)));
     result(&format!("{text}{}\n{}\n", shown(&named), shown(&mat_path)))
 }
 

@@ -45,12 +45,24 @@ pub mod reduction;
 pub mod audit;
 
 /// Whether this processor has the instructions with which full matrices give the same bits everywhere: AVX2 and FMA of
-/// x86-64. AVX-512 changes nothing, as faer's vectors are of four numbers with it, too.
+/// x86-64, and those that pulp, which has the vectors of faer, wants beside them.
+///
+/// AVX-512 changes nothing. Vectors are of four numbers with it, too, unless faer's `nightly` is turned on. Products of
+/// matrices do take longer ones, but each sum of a product is a single chain of fused operations over at most 512 terms,
+/// whatever its lane: there is a test of that. Sizes of caches decide what is copied, and in which order sums are begun.
+/// Without AVX2 and FMA, and on aarch64, they also decide where sums are cut.
 #[must_use]
 pub fn has_common_instructions() -> bool {
     #[cfg(target_arch = "x86_64")]
     {
-        std::arch::is_x86_feature_detected!("avx2") && std::arch::is_x86_feature_detected!("fma")
+        use std::arch::is_x86_feature_detected;
+
+        is_x86_feature_detected!("avx2")
+            && is_x86_feature_detected!("fma")
+            && is_x86_feature_detected!("bmi1")
+            && is_x86_feature_detected!("bmi2")
+            && is_x86_feature_detected!("lzcnt")
+            && is_x86_feature_detected!("popcnt")
     }
     #[cfg(not(target_arch = "x86_64"))]
     {

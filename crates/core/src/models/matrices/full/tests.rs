@@ -1,11 +1,14 @@
 //! Small problems against dense eigenvalues and closed forms.
 
+use faer::linalg::matmul::matmul;
 use faer::sparse::{SparseColMat, Triplet};
+use faer::{Accum, Mat, Par};
 use nalgebra::DMatrix;
 
 use super::along::Along;
 use super::audit::missing;
 use super::band::{Band, KrylovLimit};
+use super::has_common_instructions;
 use super::quadratic::{Coefficients, Side, SparseQuadratic};
 use super::reduction::{Recipe, Reduced};
 use crate::model::critical_values::evenly;
@@ -413,4 +416,27 @@ fn a_reduced_pair_is_lifted_to_the_full_one() {
     }
     let none = Pair { right: vec![], left: vec![], ..pairs[0].clone() };
     assert!(matches!(point.lifted(&basis, &none), Err(Error::Request(_))));
+}
+
+/// On this rests that AVX-512 and AVX2 give the same bits: however wide its vectors, faer sums a product in one chain.
+#[test]
+fn sums_of_products_are_single_chains_of_fused_operations() {
+    if !has_common_instructions() {
+        return;
+    }
+    // Larger than what is computed without vectors of the widest kind, and with every number of rows left over.
+    for size in 33..=60_usize {
+        let entries = |seed: usize| {
+            Mat::from_fn(size, size, |row, column| 1.0 / (1.0 + ((31 * row + 17 * column + seed) % 97) as f64) - 0.1)
+        };
+        let (left, right) = (entries(3), entries(50));
+        let mut product = Mat::<f64>::zeros(size, size);
+        matmul(&mut product, Accum::Replace, left.as_ref(), right.as_ref(), 1.0, Par::Seq);
+        for row in 0..size {
+            for column in 0..size {
+                let chain = (0..size).fold(0.0, |sum, k| libm::fma(left[(row, k)], right[(k, column)], sum));
+                assert_eq!(product[(row, column)].to_bits(), chain.to_bits(), "{size}: {row}, {column}");
+            }
+        }
+    }
 }
