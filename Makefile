@@ -192,11 +192,12 @@ check-dependencies:
 	    echo "note: no cargo-deny, known vulnerabilities of dependencies are not looked up" >&2; \
 	fi
 
+# In the profile of the tests, so that the macros and build scripts of dependencies are built once.
 check-lints:
-	$(CARGO) clippy --locked --workspace --all-targets -- -D warnings
+	$(CARGO) clippy --locked --release --workspace --all-targets -- -D warnings
 
 check-documentation:
-	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --locked --workspace --no-deps
+	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --locked --release --workspace --no-deps
 
 check-packages:
 	$(CARGO) package --locked --quiet --workspace --allow-dirty --no-verify
