@@ -355,6 +355,8 @@ mod tests {
         }
         assert_eq!((grid.axis_of(3), grid.values_of(3), grid.extremes_of(3)), (None, vec![7.0], [7.0; 2]));
         assert_eq!((grid.values_of(0), grid.extremes_of(1)), (vec![0.1, 0.2], [0.3, 0.6]));
+        let middle = grid.cell(grid.middle().unwrap());
+        assert_eq!((middle.expected, middle.scatter), (vec![0.1, 0.4, 10.0, 7.0], 1));
     }
 
     #[test]
@@ -369,7 +371,7 @@ mod tests {
         };
         assert_eq!(grid.checked_len(), Some(1 << 63));
         grid.axes.push(axis(3, &long));
-        assert_eq!(grid.checked_len(), None);
+        assert_eq!((grid.checked_len(), grid.middle()), (None, None));
     }
 
     #[test]
