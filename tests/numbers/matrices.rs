@@ -200,6 +200,28 @@ fn files_of_other_programs_give_the_same_probabilities() {
     }
 }
 
+/// A joint without mass between two masses on springs in a row, which is at rest between them: frequencies of
+/// `K = [[1.5, -0.5], [-0.5, 1.5]]`, 1 and the root of 2 in rad/s. A mass beside its node, which has no inertia of its own
+/// about itself, on two springs: the root of the stiffness of both in a row, with the lever between them.
+#[test]
+fn what_has_no_mass_follows_the_rest() {
+    let place = Place::new();
+    for (mass, stiffness, frequencies) in [
+        ("[[1, 0, 0], [0, 0, 0], [0, 0, 1]]", "[[2, -1, 0], [-1, 2, -1], [0, -1, 2]]", "0.1592, 0.2251"),
+        // u + 0.5 w moves the mass: k = 1 / (1 / 4 + 0.25 / 2).
+        ("[[1, 0.5], [0.5, 0.25]]", "[[4, 0], [0, 2]]", "0.2599"),
+    ] {
+        let job = format!(
+            "name = \"massless\"\n[model]\nkind = \"matrices\"\nmass = {{ matrix = {mass} }}\nstiffness = {{ matrix = \
+             {stiffness} }}\n[random]\ninputs = []\n[criterion]\nkind = \"complex-eigenvalue\"\n"
+        );
+        place.write("job.toml", &job);
+        let check = place.run("check job.toml").done();
+        let shown = format!("the first frequencies of the expected brake in Hz: {frequencies}\n");
+        assert!(check.stdout.contains(&shown), "{}", check.stdout);
+    }
+}
+
 /// Matrices of Nastran say nodes and directions, and so does what is said of them.
 #[test]
 fn degrees_of_freedom_have_their_names_in_what_is_said() {
@@ -219,9 +241,16 @@ fn degrees_of_freedom_have_their_names_in_what_is_said() {
         place.write("two.pch", &format!("{}{}{rest}", card("MAAX", mass), card("KAAX", stiffness)));
     };
     write(&[(7, 1, 1.0)], &[(7, 1, 4.0), (9, 3, 4.0)]);
-    place
-        .run("check job.toml")
-        .refused(65, &["1 of 2 degrees of freedom have no mass (the first is number 2, node 9 in direction 3)"]);
+    let condensed = place.run("check job.toml").done();
+    assert!(condensed.stdout.contains("# 1 of 2 motions have no mass and follow the others"), "{}", condensed.stdout);
+    write(&[(7, 1, 1.0)], &[(7, 1, 4.0)]);
+    place.run("check job.toml").refused(
+        65,
+        &[
+            "some degrees of freedom have no mass (one is number 2, node 9 in direction 3)",
+            "1 degrees of freedom have neither mass nor stiffness",
+        ],
+    );
     write(&[(7, 1, 1.0), (9, 3, 1.0)], &[(7, 1, 4.0)]);
     let check = place.run("check job.toml").done();
     let said = format!("{}{}", check.stdout, check.stderr);
@@ -533,7 +562,12 @@ fn what_is_wrong_with_matrices_is_said_in_words_of_their_makers() {
             "[[2]]",
             &["model.stiffness[0]: the matrix has 1 rows", "rows: mass 2, stiffness[0] 1, stiffness[1] 2"],
         ),
-        ("[[1, 0], [0, 1]]", "[[1, 0], [0, 0]]", &["1 of 2 degrees of freedom have no mass", "number 2"]),
+        (
+            "[[1, 0], [0, 1]]",
+            "[[1, 0], [0, 0]]",
+            &["some degrees of freedom have no mass (one is number 2)", "(stiffness[0], stiffness[1])", "a small mass"],
+        ),
+        ("[[1, 0], [0, 1]]", "[[1, 0], [0, -1]]", &["the mass of degree of freedom number 2 is -1"]),
         ("[[1, 0], [0, 1]]", "[[1, 2], [2, 1]]", &["not positive definite"]),
         ("[[1, 0], [0, 1]]", "[[1, 1], [0, 1]]", &["not symmetric"]),
         (

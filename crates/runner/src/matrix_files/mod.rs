@@ -50,7 +50,7 @@ use std::path::Path;
 
 pub use align::align;
 pub use error::MatrixFileError;
-pub use matrix::{ReadMatrix, Stored};
+pub use matrix::{Place, ReadMatrix, Stored};
 
 use error::Problem;
 use source::{Listed, Source, no_name};

@@ -115,6 +115,13 @@ impl Factor {
         above / below
     }
 
+    /// The number that this factor is of another, whatever the parameters; none where it depends on them, or is infinite.
+    #[must_use]
+    pub fn over(&self, other: &Self) -> Option<f64> {
+        let ratio = self.number / other.number;
+        (self.powers == other.powers && ratio.is_finite()).then_some(ratio)
+    }
+
     /// Its derivative by the parameter at a place.
     fn derived(&self, place: usize) -> Self {
         let Some(&(_, power)) = self.powers.iter().find(|(own, _)| *own == place) else { return Self::number(0.0) };

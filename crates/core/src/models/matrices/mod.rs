@@ -16,6 +16,8 @@ pub mod sweep;
 
 pub mod terms;
 
+pub mod condensation;
+
 mod rigid_body;
 
 pub mod quadratic;

@@ -3,8 +3,9 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use stickslip_core::models::matrices::condensation::condensed;
 use stickslip_core::models::matrices::factor::Factor;
-use stickslip_core::models::matrices::terms::{self as of_model, Matrices, Parameter};
+use stickslip_core::models::matrices::terms::{self as of_model, Matrices, Matrix, Parameter};
 
 use super::checks;
 use super::spec::MatrixModelSpec;
@@ -18,6 +19,8 @@ const MOST_LISTED: usize = 20;
 /// The matrices, once they are read, and what is to be said of them.
 pub struct ReadModel {
     pub matrices: Arc<Matrices>,
+    /// The displacements of all degrees of freedom for those of the matrices, where some had no mass and were condensed.
+    pub displacements: Option<Matrix>,
     pub files: Vec<FileTerm>,
     /// What may not be meant.
     pub warnings: Vec<String>,
@@ -64,19 +67,38 @@ pub fn read<'a>(
     let terms = complaints.take(aligned(terms))?;
     checks::refuse(&terms, stiffness_from, complaints)?;
     let mut warnings = folder.map_or_else(Vec::new, |_| checks::doubts(&terms, stiffness_from));
-    let remarks = checks::grouped(&terms, |read| &read.notes);
-    let remarks = remarks.iter().map(|remark| format!("# {remark}\n")).collect();
-    let mut files = Vec::new();
+    let mut notes = checks::grouped(&terms, |read| &read.notes);
+    let places = terms[0].read.degrees_of_freedom.clone();
+    let (mut heads, mut files) = (Vec::new(), Vec::new());
     let mut terms = terms.into_iter().map(|term| {
+        let factor = term.head.factor.clone();
+        heads.push(term.head);
         files.extend(term.file);
-        of_model::Term { matrix: Arc::new(term.read.matrix), factor: term.head.factor }
+        of_model::Term { matrix: Arc::new(term.read.matrix), factor }
     });
     let mass = terms.next()?.matrix;
     let damping = terms.by_ref().take(stiffness_from - 1).collect();
     let stiffness = terms.collect();
-    let matrices = Matrices { mass, damping, stiffness, parameters: parameters.to_vec() };
+    let mut matrices = Matrices { mass, damping, stiffness, parameters: parameters.to_vec() };
     warnings.extend(checks::unused_parameters(&matrices));
-    Some(ReadModel { matrices: Arc::new(matrices), files, warnings, remarks })
+    let mut displacements = None;
+    match condensed(&matrices) {
+        Ok(None) => {}
+        Ok(Some(found)) => {
+            notes.push(format!(
+                "{} of {} motions have no mass and follow the others: they are condensed",
+                matrices.size() - found.matrices.size(),
+                matrices.size()
+            ));
+            (matrices, displacements) = (found.matrices, Some(found.displacements));
+        }
+        Err(error) => {
+            complaints.push(checks::not_condensed(&heads, places.as_deref(), &matrices, &error));
+            return None;
+        }
+    }
+    let remarks = notes.iter().map(|note| format!("# {note}\n")).collect();
+    Some(ReadModel { matrices: Arc::new(matrices), displacements, files, warnings, remarks })
 }
 
 /// The terms over the same degrees of freedom.

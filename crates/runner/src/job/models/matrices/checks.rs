@@ -1,5 +1,8 @@
 //! What is checked of matrices, in the words of those who made them.
 
+use std::sync::Arc;
+
+use stickslip_core::models::matrices::condensation::CondensationError;
 use stickslip_core::models::matrices::full::has_common_instructions;
 use stickslip_core::models::matrices::model::MatrixModel;
 use stickslip_core::models::matrices::problem::Problem;
@@ -7,9 +10,9 @@ use stickslip_core::models::matrices::region::damping_ratio;
 use stickslip_core::models::matrices::terms::{Matrices, Matrix, asymmetry, is_symmetric};
 use stickslip_core::numerics::eigenvalues::Eigenvalue;
 
-use super::terms::Term;
-use crate::job::diagnosis::Complaints;
-use crate::matrix_files::{ReadMatrix, Stored};
+use super::terms::{Head, Term};
+use crate::job::diagnosis::{Complaint, Complaints};
+use crate::matrix_files::{Place, ReadMatrix, Stored};
 
 /// Frequencies that are shown, Hz.
 const SHOWN_FREQUENCIES: usize = 10;
@@ -22,6 +25,7 @@ pub fn refuse(terms: &[Term], stiffness_from: usize, complaints: &mut Complaints
     let before = complaints.len();
     let mass = terms.first()?;
     let size = mass.read.matrix.nrows();
+    let places = mass.read.degrees_of_freedom.as_deref();
     for term in &terms[1..] {
         let is_held = |row: &usize| diagonal(&term.read.matrix, *row).abs() >= CONSTRAINED;
         let held: Vec<usize> = (0..size).filter(is_held).collect();
@@ -29,30 +33,18 @@ pub fn refuse(terms: &[Term], stiffness_from: usize, complaints: &mut Complaints
             let message = format!(
                 "{} entries on the diagonal are 1e30 or more (the first is {}), which is how programs mark constrained degrees of freedom; remove their rows and columns from all matrices, or name the file of Abaqus itself, from which they are taken out",
                 held.len(),
-                named(terms, *first)
+                named(places, *first)
             );
             complaints.push(term.head.complaint(&message));
         }
     }
-    let is_without = |row: &usize| {
-        let value = diagonal(&mass.read.matrix, *row);
-        value <= 0.0 || value.is_nan()
-    };
-    let without: Vec<usize> = (0..size).filter(is_without).collect();
-    if let Some(first) = without.first() {
-        let is_empty = empty_rows(&terms[stiffness_from..], size);
-        let empty = without.iter().filter(|row| is_empty[**row]).count();
-        let constrained = if empty > 0 {
-            format!(
-                "; {empty} of them have no stiffness either, as programs leave what is constrained: remove their rows and columns from all matrices"
-            )
-        } else {
-            String::new()
-        };
+    let is_empty = empty_rows([&mass.read.matrix].into_iter(), size);
+    let is_wrong = |row: &usize| !is_empty[*row] && diagonal(&mass.read.matrix, *row) <= 0.0;
+    if let Some(first) = (0..size).find(is_wrong) {
         let message = format!(
-            "{} of {size} degrees of freedom have no mass (the first is {}): the matrix is not positive definite; condense them (nothing is lost where they have no damping either: K_aa - K_am K_mm^-1 K_ma, with a for the others and m for them), or give them a small mass{constrained}",
-            without.len(),
-            named(terms, *first)
+            "the matrix is not positive definite: the mass of degree of freedom {} is {}",
+            named(places, first),
+            diagonal(&mass.read.matrix, first)
         );
         complaints.push(mass.head.complaint(&message));
     }
@@ -66,20 +58,52 @@ pub fn refuse(terms: &[Term], stiffness_from: usize, complaints: &mut Complaints
     (complaints.len() == before).then_some(())
 }
 
+/// Why what has no mass cannot be condensed, and what to do.
+pub fn not_condensed(
+    heads: &[Head],
+    places: Option<&[Place]>,
+    matrices: &Matrices,
+    error: &CondensationError,
+) -> Complaint {
+    let (place, what) = match error {
+        CondensationError::NotHeld { place } => {
+            let all = matrices.stiffness.iter().map(|term| &term.matrix).chain([&matrices.mass]);
+            let empty =
+                empty_rows(all.map(Arc::as_ref), matrices.size()).into_iter().filter(|is_empty| *is_empty).count();
+            let what = if empty > 0 {
+                format!(
+                    "; {empty} degrees of freedom have neither mass nor stiffness, as programs leave what is constrained: remove their rows and columns from all matrices"
+                )
+            } else {
+                "; condense them before, or give them a small mass".to_owned()
+            };
+            (*place, what)
+        }
+        CondensationError::Changing { place, terms: changing } => {
+            let keys: Vec<&str> = changing.iter().map(|term| heads[term + 1].key.as_str()).collect();
+            let what = format!(" ({}); give them a small mass, or keep what varies off them", keys.join(", "));
+            (*place, what)
+        }
+        CondensationError::TooMany { place, .. } => (*place, "; condense them before".to_owned()),
+        _ => (0, String::new()),
+    };
+    let place = named(places, place);
+    heads[0].complaint(&format!("some degrees of freedom have no mass (one is {place}), and {error}{what}"))
+}
+
 /// A degree of freedom as its users know it.
-fn named(terms: &[Term], row: usize) -> String {
-    let places = terms.first().and_then(|term| term.read.degrees_of_freedom.as_ref());
+fn named(places: Option<&[Place]>, row: usize) -> String {
     match places.and_then(|places| places.get(row)) {
         Some((node, direction)) => format!("number {}, node {node} in direction {direction}", row + 1),
         None => format!("number {}", row + 1),
     }
 }
 
-/// Whether each row has no entry in any of these terms.
-fn empty_rows(terms: &[Term], size: usize) -> Vec<bool> {
+/// Whether each row has no entry in any of these matrices.
+fn empty_rows<'m>(matrices: impl Iterator<Item = &'m Matrix>, size: usize) -> Vec<bool> {
     let mut is_empty = vec![true; size];
-    for term in terms {
-        for entry in term.read.matrix.triplet_iter().filter(|entry| *entry.val != 0.0) {
+    for matrix in matrices {
+        for entry in matrix.triplet_iter().filter(|entry| *entry.val != 0.0) {
             is_empty[entry.row] = false;
         }
     }
@@ -108,12 +132,13 @@ pub fn doubts(terms: &[Term], stiffness_from: usize) -> Vec<String> {
             "your stiffness is symmetric: there is no friction in it, so no modes are coupled by it ({why})"
         ));
     }
-    let is_empty = empty_rows(stiffness, stiffness.first().map_or(0, |term| term.read.matrix.nrows()));
+    let size = stiffness.first().map_or(0, |term| term.read.matrix.nrows());
+    let is_empty = empty_rows(stiffness.iter().map(|term| &term.read.matrix), size);
     if let Some(first) = is_empty.iter().position(|is_empty| *is_empty) {
         let count = is_empty.iter().filter(|is_empty| **is_empty).count();
         doubts.push(format!(
             "{count} degrees of freedom have no stiffness (the first is {}): nothing holds them, so that they move freely; are they constrained?",
-            named(terms, first)
+            named(terms.first().and_then(|term| term.read.degrees_of_freedom.as_deref()), first)
         ));
     }
     doubts
@@ -178,8 +203,14 @@ pub fn warnings(model: &MatrixModel, modes: &[Mode]) -> Vec<String> {
 }
 
 /// What is said of rigid-body motions that are left out: what moves in each.
-pub fn rigid_body_motions(model: &MatrixModel) -> Option<String> {
-    let motions = model.rigid_body_motions();
+pub fn rigid_body_motions(model: &MatrixModel, displacements: Option<&Matrix>) -> Option<String> {
+    let of_all = |motion: &Vec<f64>| {
+        let Some(displacements) = displacements else { return motion.clone() };
+        let mut all = vec![0.0; displacements.nrows()];
+        displacements.triplet_iter().for_each(|entry| all[entry.row] += *entry.val * motion[entry.col]);
+        all
+    };
+    let motions: Vec<Vec<f64>> = model.rigid_body_motions().iter().map(of_all).collect();
     let moving = |motion: &Vec<f64>| {
         let largest = motion.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
         let moves = |place: &usize| motion[*place].abs() > MOVES * largest;

@@ -9,7 +9,7 @@ use stickslip_core::model::quantity::Quantity;
 use stickslip_core::models::matrices::model::{BAND, ComplexEigenvalue, MatrixModel, NOT_AT_HAND, quantities};
 use stickslip_core::models::matrices::problem::{Problem, Solver};
 use stickslip_core::models::matrices::recorded::PairResult;
-use stickslip_core::models::matrices::terms::Parameter;
+use stickslip_core::models::matrices::terms::{Matrix, Parameter};
 use stickslip_sampler::grid::{Axis, Grid};
 use toml::Spanned;
 use toml_edit::DocumentMut;
@@ -293,6 +293,7 @@ impl Draft for MatrixDraft {
         }
         Some(Arc::new(MatrixJob {
             model,
+            displacements: read.displacements,
             files: read.files,
             warnings: read.warnings,
             remarks: read.remarks,
@@ -306,6 +307,8 @@ impl Draft for MatrixDraft {
 #[derive(Debug)]
 struct MatrixJob {
     model: MatrixModel,
+    /// Of all degrees of freedom, where some are condensed.
+    displacements: Option<Matrix>,
     files: Vec<FileTerm>,
     warnings: Vec<String>,
     /// What was done in reading, in lines of comments.
@@ -378,7 +381,7 @@ impl JobModel for MatrixJob {
             return warnings;
         }
         warnings.extend(checks::warnings(&self.model, self.modes(grid)));
-        warnings.extend(checks::rigid_body_motions(&self.model));
+        warnings.extend(checks::rigid_body_motions(&self.model, self.displacements.as_ref()));
         warnings
     }
 
