@@ -30,3 +30,4 @@ mod rough_inputs;
 mod samples;
 mod time_domain;
 mod units;
+mod without_friction;

@@ -1,7 +1,8 @@
 //! A friction law with its coefficients.
 
-use crate::friction::measured_curve::{Piece, SharedCurve};
+use crate::friction::measured_curve::{NOTHING, Piece, SharedCurve};
 use crate::friction::shape::Shape;
+use crate::numerics::root_location::bisect;
 
 /// A friction law without its values.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -34,6 +35,9 @@ impl LawKind {
         }
     }
 }
+
+/// Bisections to the last digits of any speed, at most.
+const MOST_HALVINGS: usize = 200;
 
 /// A friction law: the coefficient of friction over the sliding speed, [`crate::friction`].
 ///
@@ -147,11 +151,60 @@ impl FrictionLaw {
         }
     }
 
-    /// The static friction coefficient below which a sample is outside physics: f_c, or what leaves a measured curve
-    /// without friction at rest.
+    /// The static friction coefficient below which a sample that slides steadily at this speed is outside physics: f_c, or
+    /// what leaves a measured curve without friction at rest or at this speed. Above it the other laws have friction at
+    /// every speed, as neither f_c nor the viscous term is below 0.
     #[must_use]
-    pub fn least_static_coefficient(&self) -> f64 {
-        self.kinetic_coefficient - self.additional_at_rest()
+    pub fn least_static_coefficient(&self, speed: f64) -> f64 {
+        match self.shape {
+            Shape::Table(curve) => curve.least_at_rest(speed / self.speed_scale, self.additional),
+            _ => self.kinetic_coefficient,
+        }
+    }
+
+    /// The ranges of sliding speed at which the coefficient is at or below 0, in rising order; only a measured curve has
+    /// some. What it has after its last row goes on to infinity.
+    #[must_use]
+    pub fn without_friction(&self) -> Vec<[f64; 2]> {
+        let mut ranges: Vec<[f64; 2]> = Vec::new();
+        let Shape::Table(curve) = self.shape else { return ranges };
+        if curve.lower_bound(self.falling(), self.additional) > NOTHING {
+            return ranges;
+        }
+        let mut last = 0.0;
+        for piece in self.pieces() {
+            let has_none = |speed: f64| piece.value(speed) <= NOTHING;
+            // Between its ends and the speeds at which it turns, a cubic rises or falls.
+            let mut from = piece.from;
+            for to in piece.speeds_of_slope(0.0).into_iter().chain([piece.to]) {
+                let range = match [from, to].map(has_none) {
+                    [false, false] => None,
+                    [true, true] => Some([from, to]),
+                    [false, true] => Some([bisect((from, to), MOST_HALVINGS, 1e-15, |at| !has_none(at)).1, to]),
+                    [true, false] => Some([from, bisect((from, to), MOST_HALVINGS, 1e-15, has_none).0]),
+                };
+                match (range, ranges.last_mut()) {
+                    (Some([from, to]), Some(before)) if before[1] >= from => before[1] = to,
+                    (Some(range), _) => ranges.push(range),
+                    (None, _) => {}
+                }
+                from = to;
+            }
+            last = piece.to;
+        }
+        if let Some(range) = ranges.last_mut().filter(|range| range[1] >= last) {
+            range[1] = f64::INFINITY;
+        }
+        ranges.into_iter().map(|range| range.map(|speed| speed * self.speed_scale)).collect()
+    }
+
+    /// The next sliding speeds below and above this one at which the coefficient is at or below 0; infinite where there is
+    /// none.
+    pub(crate) fn positive_about(&self, speed: f64) -> [f64; 2] {
+        let everywhere = [f64::NEG_INFINITY, f64::INFINITY];
+        self.without_friction().into_iter().fold(everywhere, |[below, above], [from, to]| {
+            if from >= speed { [below, above.min(from)] } else { [to.min(speed), above] }
+        })
     }
 
     /// `f_s - f_c`.
@@ -358,6 +411,7 @@ impl FrictionLaw {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::friction::measured_curve::MeasuredCurve;
 
     fn law(exponent: f64) -> FrictionLaw {
         FrictionLaw::stribeck(0.4, 0.25, 0.7, exponent)
@@ -403,6 +457,59 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// Rows at 0, 1, ... m/s, shifted down by a tenth of `shift`. The unit of speed is 0.5 m/s.
+    fn shifted_down(coefficients: &[f64], shift: f64) -> FrictionLaw {
+        let speeds: Vec<f64> = (0_u8..).map(f64::from).take(coefficients.len()).collect();
+        let deviations = vec![0.1; coefficients.len()];
+        let curve = MeasuredCurve::new(&speeds, coefficients, Some(&deviations)).unwrap();
+        FrictionLaw::table(SharedCurve::new(curve), coefficients[0], 2.0).with_additional(-shift)
+    }
+
+    #[test]
+    fn the_ranges_without_friction_are_those_of_a_fine_grid() {
+        for (coefficients, shift, count) in [
+            (&[0.4, 0.2, 0.3, 0.1][..], 0.5, 0),
+            (&[0.4, 0.2, 0.3, 0.1][..], 2.2, 2),
+            (&[0.4, 0.1, 0.3, 0.15, 0.35][..], 1.7, 2),
+            (&[0.4, 0.1, 0.3, 0.15, 0.35][..], 4.5, 1),
+            (&[0.4, 0.0, 0.3][..], 0.0, 1),
+        ] {
+            let law = shifted_down(coefficients, shift);
+            let ranges = law.without_friction();
+            assert_eq!(ranges.len(), count, "{ranges:?}");
+            for i in 0..600 {
+                let speed = 0.02 * f64::from(i);
+                let is_near = |[from, to]: &[f64; 2]| (from - speed).abs().min((to - speed).abs()) < 1e-5;
+                let is_inside = ranges.iter().any(|[from, to]| *from <= speed && speed <= *to);
+                assert!(is_inside == (law.coefficient(speed) <= 0.0) || ranges.iter().any(is_near), "{speed}");
+                let expected = ranges.iter().filter(|range| range[1] < speed).map(|range| range[1]);
+                let above = ranges.iter().filter(|range| range[0] > speed).map(|range| range[0]);
+                if !is_inside {
+                    let found = [expected.fold(f64::NEG_INFINITY, f64::max), above.fold(f64::INFINITY, f64::min)];
+                    assert_eq!(law.positive_about(speed), found);
+                }
+            }
+        }
+        assert_eq!(law(1.0).without_friction(), Vec::<[f64; 2]>::new());
+    }
+
+    #[test]
+    fn friction_vanishes_at_rest_or_at_the_speed_with_the_least_static_coefficient() {
+        for (shift, speed) in [(1.3, 2.0), (2.7, 0.3), (-1.5, 1.0), (3.0, 50.0)] {
+            let law = shifted_down(&[0.4, 0.1, 0.3, 0.15], shift);
+            let least = law.least_static_coefficient(speed);
+            let at = |static_coefficient: f64| {
+                let law = FrictionLaw { static_coefficient, ..law };
+                law.at_rest().min(law.coefficient(speed))
+            };
+            assert!(at(least).abs() < 1e-15 && at(least + 1e-6) > 0.0 && at(least - 1e-6) < 0.0, "{shift} {speed}");
+        }
+        // Nothing gives friction at a row of 0 but a shift up.
+        assert_eq!(shifted_down(&[0.4, 0.0, 0.3], 0.0).least_static_coefficient(2.0), f64::INFINITY);
+        assert!(shifted_down(&[0.4, 0.0, 0.3], -1.0).least_static_coefficient(2.0) < 0.0);
+        assert_eq!(law(1.0).least_static_coefficient(2.0), 0.25);
     }
 
     #[test]

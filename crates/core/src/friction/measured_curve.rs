@@ -22,6 +22,9 @@ pub const LEAST_GAP: f64 = 1e-4;
 /// Least number of rows of a curve that is smoothed.
 pub const LEAST_SMOOTHED: usize = 5;
 
+/// A coefficient of no more than this is 0: a row of 0 is met but for rounding.
+pub(crate) const NOTHING: f64 = 1e-12;
+
 /// Places for rows in the arrays of a curve: a power of two, so that a mask keeps any index inside.
 const PLACES: usize = 1024;
 const PLACE: usize = PLACES - 1;
@@ -279,6 +282,29 @@ impl MeasuredCurve {
     pub(crate) fn values(&self, speed: f64) -> (f64, f64) {
         let (i, t) = self.index.place(speed);
         (self.shape.value(i, t), self.deviation.value(i, t))
+    }
+
+    /// The least value at rest with which the curve, shifted by `shift` standard deviations, has friction at rest and at a
+    /// speed in m/s; infinite if none gives it any.
+    #[inline(always)]
+    pub(crate) fn least_at_rest(&self, speed: f64, shift: f64) -> f64 {
+        let (shape, deviation) = self.values(speed);
+        let [at_rest, needed] = [self.values(0.0).1, deviation].map(|deviation| 0.0 - shift * deviation);
+        let at_speed = if shape > NOTHING {
+            needed / shape
+        } else if needed < 0.0 {
+            f64::NEG_INFINITY
+        } else {
+            f64::INFINITY
+        };
+        at_rest.max(at_speed)
+    }
+
+    /// A lower bound of the curve with this value at rest and this shift, at all speeds.
+    pub(crate) fn lower_bound(&self, at_rest: f64, shift: f64) -> f64 {
+        let least = self.coefficients.iter().copied().fold(f64::INFINITY, f64::min) / self.at_rest();
+        let largest = self.deviations.iter().flatten().copied().fold(0.0, f64::max);
+        at_rest * least + shift.min(0.0) * largest
     }
 
     /// The first of [`MeasuredCurve::values`]; without standard deviations the second is 0.

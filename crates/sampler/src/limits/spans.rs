@@ -75,7 +75,7 @@ impl Spans {
         let Sample { boundary, ratio, other, most_second } = *sample;
         let least = boundary.least_second;
         let is_outside = other < least || ratio <= 0.0;
-        let second = if outside == OutsidePhysics::Clamped { other.max(least) } else { other };
+        let second = if outside == OutsidePhysics::Clamped && least.is_finite() { other.max(least) } else { other };
         if second > most_second || (is_outside && outside == OutsidePhysics::WithoutVerdict) {
             return Self::without_verdict();
         }
@@ -92,7 +92,9 @@ impl Spans {
             return Self::without_verdict();
         }
         let (mut above, below) = boundary.unstable_second(first);
-        if outside == OutsidePhysics::Clamped && boundary.verdict(first, least) == Verdict::Unstable {
+        // With an infinite one nothing is inside the model, and nothing is moved there.
+        let is_moved = outside == OutsidePhysics::Clamped && least.is_finite();
+        if is_moved && boundary.verdict(first, least) == Verdict::Unstable {
             above = f64::NEG_INFINITY;
         }
         let too_little = if outside == OutsidePhysics::WithoutVerdict { [f64::NEG_INFINITY, least] } else { NOWHERE };

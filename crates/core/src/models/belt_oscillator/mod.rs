@@ -12,6 +12,7 @@
 //! model is computed by: the stiffness is shared between calliper and contact (halves, which rounding leaves exact), the
 //! disc is one whose scales of length, time and speed are 1, and the belt speed that of its edge.
 
+use crate::friction::law::LawKind;
 use crate::model::behaviour::Behaviours;
 use crate::model::quantity::{Limits, Quantity, Role};
 use crate::model::recorded::RecordedResult;
@@ -350,7 +351,10 @@ impl Model for BeltOscillator {
     }
 
     fn outside_meaning(&self) -> &'static str {
-        "normal force at or below 0, or f_s < f_c"
+        match self.oscillator.friction.law {
+            LawKind::Table(_) => "normal force at or below 0, or a friction coefficient at or below 0",
+            LawKind::Stribeck | LawKind::Rational => "normal force at or below 0, or f_s < f_c",
+        }
     }
 
     fn verdict_names(&self) -> [&'static str; 2] {

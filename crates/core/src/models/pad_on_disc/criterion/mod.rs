@@ -21,6 +21,8 @@ pub(crate) mod confirmation;
 
 pub mod time_domain;
 
-mod coupled_eigenvalues;
+mod met_speeds;
+
+pub(crate) mod coupled_eigenvalues;
 
 pub mod validity;

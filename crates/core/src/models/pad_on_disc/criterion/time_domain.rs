@@ -179,7 +179,7 @@ impl TimeDomain {
         Ok(())
     }
 
-    fn check_rigid_start(&self, sample: &RigidSample, start: Start) -> Result<(), StartError> {
+    pub(crate) fn check_rigid_start(&self, sample: &RigidSample, start: Start) -> Result<(), StartError> {
         let state = self.rigid_start(sample, start).state;
         check_reach((state.x, state.u), sample.brake.stiffness)
     }
@@ -202,7 +202,8 @@ impl TimeDomain {
     }
 
     /// Decides one sample. A sample without preload presses nothing together and is stable; so is one whose friction
-    /// rises with speed (`f_s < f_c`), unless pad and disc feed each other without any fall of friction.
+    /// rises with speed (`f_s < f_c`), unless pad and disc feed each other without any fall of friction, and one whose
+    /// motion meets a speed at which a measured curve is at or below 0 (module `met_speeds`).
     #[must_use]
     pub fn decide(&self, inputs: RandomInputs) -> Decision {
         self.decide_from(inputs, self.settings.start)
@@ -226,6 +227,9 @@ impl TimeDomain {
 
     /// Decides a sample on a flexible disc, in finer steps where the verdict may depend on errors of the steps.
     fn decide_flexible(&self, motion: &FlexibleMotion, inputs: RandomInputs, start: Start) -> Decision {
+        if self.flexible_meets_no_friction(motion, inputs, start) {
+            return Decision::OUTSIDE_PHYSICS;
+        }
         let mut confirmation = Confirmation::NONE;
         loop {
             let divisor = confirmation.divisor;
@@ -295,6 +299,9 @@ impl TimeDomain {
             self.check_rigid_start(sample, start).map_err(|_| Decision::FAILED)?;
             monitor.starts_in(motion.contact, motion.state.x);
         }
+        if self.rigid_meets_no_friction(sample, inputs, start) {
+            return Err(Decision::OUTSIDE_PHYSICS);
+        }
         self.unless_decided(motion, monitor)
     }
 
@@ -308,7 +315,7 @@ impl TimeDomain {
         stability: impl Fn(&FlexibleBrake, RandomInputs) -> Result<LinearStability, FlexibleError>,
     ) -> Result<(Motion<FlexibleState>, FlexibleMonitor), Decision> {
         let (brake, inputs) = (sample.brake, sample.inputs);
-        if inputs.preload <= 0.0 {
+        if inputs.preload <= 0.0 || brake.brake().lacks_friction(inputs) {
             return Err(Decision::OUTSIDE_PHYSICS);
         }
         let linear_growth_fed_by = match stability(brake, inputs) {

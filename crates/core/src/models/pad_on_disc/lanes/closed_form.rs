@@ -19,6 +19,7 @@
 //! [`PadOnDisc::stability_boundary`]: crate::models::pad_on_disc::rigid_disc::pad_on_disc::PadOnDisc::stability_boundary
 
 use crate::friction::law::LawKind;
+use crate::friction::measured_curve::{NOTHING, SharedCurve};
 use crate::friction::shape::Shape;
 use crate::model::verdict::{Verdict, VerdictCounts};
 use crate::models::pad_on_disc::lanes::dispatch::{InstructionSet, dispatch};
@@ -83,9 +84,10 @@ struct Form {
     speed_scale: Term,
     shape: Shape,
     exponent: Term,
-    /// The factors of the additional term, and its value at rest over their product.
+    /// The factors of the additional term.
     additional: [Term; 2],
-    additional_at_rest: f64,
+    /// The measured curve, if it may be without friction at some speed.
+    lacking: Option<SharedCurve>,
     /// Inner radius of the disc, inner and effective radius of the pad, outer radius of the disc, if any of them differs.
     radii: Option<[Term; 4]>,
 }
@@ -149,7 +151,8 @@ impl VaryingClosedForm {
     /// Appends the verdicts on samples with these preloads and static friction coefficients; `columns[i]` has their
     /// values of scalar `i` of the brake.
     ///
-    /// A sample fails if a value is not admissible. Without preload, or with `f_s < f_c`, it is stable.
+    /// A sample fails if a value is not admissible. Without preload, with `f_s < f_c`, or on a measured curve without friction
+    /// at rest or at its speed, it is stable.
     ///
     /// # Panics
     /// If the columns differ in length, or there is not one for each scalar.
@@ -292,7 +295,11 @@ impl Form {
             shape,
             exponent,
             additional,
-            additional_at_rest: if let Shape::Table(curve) = shape { curve.values(0.0).1 } else { 0.0 },
+            lacking: friction
+                .law
+                .table()
+                .copied()
+                .filter(|curve| !matches!(additional[0], Term::Shared(0.0)) || curve.lower_bound(1.0, 0.0) <= NOTHING),
             radii: differs.then_some(radii),
         }
     }
@@ -357,7 +364,12 @@ fn decide_block(form: &Form, checks: &[Check], block: &mut Block) {
         for l in 0..LANES {
             let factor = first[l] * second[l];
             weakening[l] -= factor * rise[l];
-            least[l] -= factor * form.additional_at_rest;
+        }
+    }
+    if let Some(curve) = form.lacking {
+        let shift = first.row(rows);
+        for l in 0..LANES {
+            least[l] = curve.least_at_rest(ratio[l], shift[l]);
         }
     }
     let (contact, calliper) = (form.contact_normal.row(rows), form.calliper_normal.row(rows));

@@ -173,6 +173,10 @@ impl<'q> Bundle<'q> for FlexibleBundle<'q> {
             None => brake.linear_stability_until(inputs, is_stopped),
         };
         let start = sample.scaled_start();
+        // That of a motion which is simulated again is known.
+        if divisor == 1.0 && sample.criterion.flexible_meets_no_friction(&placed.motion, sample.inputs, start) {
+            return Err(Decision::OUTSIDE_PHYSICS);
+        }
         let (motion, monitor) = sample.criterion.start_flexible(&placed.equations(), start, stability)?;
         let step = placed.motion.step / divisor;
         self.set_sample(lane, placed);

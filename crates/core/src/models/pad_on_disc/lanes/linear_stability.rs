@@ -2,6 +2,7 @@
 
 use crate::model::IsStopped;
 use crate::model::decision::Decision;
+use crate::models::pad_on_disc::criterion::coupled_eigenvalues::decision;
 use crate::models::pad_on_disc::flexible_disc::brake::FlexibleBrake;
 use crate::models::pad_on_disc::flexible_disc::error::FlexibleError;
 use crate::models::pad_on_disc::flexible_disc::geometry::DiscGeometry;
@@ -63,7 +64,7 @@ impl FlexibleBrake {
     #[must_use]
     pub fn decide_own(&self, samples: &[OwnBrake], is_stopped: IsStopped<'_>) -> Option<Vec<Decision>> {
         let decide = |(sample, stability): (&OwnBrake, Result<LinearStability, FlexibleError>)| {
-            self.decide_with(sample.inputs, |_, _| stability.clone())
+            decision(&sample.brake, sample.inputs, || stability)
         };
         let found = self.linear_stability_with(samples, InstructionSet::widest(), is_stopped)?;
         Some(samples.iter().zip(found).map(decide).collect())

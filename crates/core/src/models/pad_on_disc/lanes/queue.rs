@@ -1,5 +1,6 @@
 //! Where samples come from, and where their decisions go.
 
+use crate::friction::law::FrictionLaw;
 use crate::model::decision::Decision;
 use crate::models::pad_on_disc::criterion::time_domain::TimeDomain;
 use crate::models::pad_on_disc::motion::start::Start;
@@ -31,6 +32,16 @@ impl<'q> QueuedSample<'q> {
     /// Where its motion starts, in scaled units.
     pub(super) fn scaled_start(&self) -> Start {
         self.start.scaled(self.brake.as_ref().unwrap_or(&self.criterion.brake).scales())
+    }
+
+    /// Whether its motion meets a sliding speed at which there is no friction, see [`TimeDomain::meets_no_friction`].
+    pub(crate) fn meets_no_friction(&self) -> bool {
+        let Some(brake) = &self.brake else { return self.criterion.meets_no_friction(self.inputs, self.start) };
+        let law = FrictionLaw { static_coefficient: self.inputs.static_friction, ..*brake.friction_law() };
+        let own = || self.criterion.with_brake(brake).ok();
+        // Most have friction at every speed, and need nothing prepared.
+        !law.without_friction().is_empty()
+            && own().is_some_and(|criterion| criterion.meets_no_friction(self.inputs, self.start))
     }
 
     /// Its decision by the scalar code.

@@ -2,7 +2,7 @@
 
 use std::any::Any;
 
-use crate::friction::law::LawKind;
+use crate::friction::measured_curve::SharedCurve;
 use crate::model::decision::Decision;
 use crate::model::pair_boundary::PairBoundary;
 use crate::model::recorded::{NOTHING, RecordedValues};
@@ -16,7 +16,7 @@ use crate::models::pad_on_disc::lanes::linear_stability::OwnBrake;
 use crate::models::pad_on_disc::lanes::queue::QueuedSample;
 use crate::models::pad_on_disc::motion::start::{GivenStart, Start};
 use crate::models::pad_on_disc::motion::start_value::StartValue;
-use crate::models::pad_on_disc::parameters::Scalar;
+use crate::models::pad_on_disc::parameters::{EFFECTIVE_RADIUS_KEY, Scalar};
 use crate::models::pad_on_disc::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
 use crate::models::pad_on_disc::rigid_disc::varying_brake::VaryingBrake;
 
@@ -34,13 +34,10 @@ pub(super) struct Varying {
     starts: Vec<(usize, StartValue)>,
     /// The start, where it is given in numbers.
     given: Option<GivenStart>,
-    /// The column that decides whether friction rises with speed, and the multiple of it that is the least static
-    /// friction coefficient; see `FrictionLaw::least_static_coefficient`.
-    least: Option<(usize, f64)>,
 }
 
 impl Varying {
-    pub(super) fn new(varying: &[usize], given: Option<GivenStart>, law: &LawKind) -> Self {
+    pub(super) fn new(varying: &[usize], given: Option<GivenStart>) -> Self {
         let scalars: Vec<&'static Scalar> = configuration_scalars().collect();
         let (mut of_brake, mut starts) = (Vec::new(), Vec::new());
         for (column, &place) in varying.iter().enumerate().skip(2) {
@@ -49,12 +46,7 @@ impl Varying {
                 None => of_brake.push((column, scalars[place - 2])),
             }
         }
-        let (decisive, factor) = match law.table() {
-            Some(curve) => ("friction.band", -curve.deviation(0.0)),
-            None => ("friction.kinetic_coefficient", 1.0),
-        };
-        let least = of_brake.iter().find(|(_, scalar)| scalar.key == decisive).map(|(column, _)| (*column, factor));
-        Self { scalars: of_brake, starts, given, least }
+        Self { scalars: of_brake, starts, given }
     }
 
     /// Whether every sample has a brake of its own.
@@ -156,11 +148,81 @@ impl PadConfiguration {
         self.varying.scalars.iter().map(|(column, _)| samples.column(*column)).collect()
     }
 
-    /// The least static friction coefficient of a sample that is not outside the model.
-    fn least_static(&self, samples: &Columns<'_>) -> impl Fn(usize) -> f64 {
-        let shared = self.brake.friction_law().least_static_coefficient();
-        let own = self.varying.least.map(|(column, factor)| (samples.column(column), factor));
-        move |sample| own.map_or(shared, |(column, factor)| factor * column[sample])
+    /// The least static friction coefficients of samples that are not outside the model.
+    fn least_static<'s>(&self, samples: &Columns<'s>) -> LeastStatic<'s> {
+        let column = |key: &str| {
+            let own = self.varying.scalars.iter().find(|(_, scalar)| scalar.key == key);
+            own.map(|(column, _)| samples.column(*column))
+        };
+        let parameters = self.brake.parameters();
+        // Without a value of its own it is the outer radius.
+        let radius = match parameters.pad.effective_radius {
+            None => column(EFFECTIVE_RADIUS_KEY).or_else(|| column("disc.outer_radius")),
+            Some(_) => column(EFFECTIVE_RADIUS_KEY),
+        };
+        LeastStatic {
+            shared: self.brake.friction_law().least_static_coefficient(self.brake.disc_speed()),
+            curve: parameters.friction.law.table().copied(),
+            kinetic: column("friction.kinetic_coefficient"),
+            of_curve: [
+                (radius, parameters.effective_radius()),
+                (column("operating_point.rotating_speed"), parameters.operating_point.rotating_speed),
+                (column("friction.band"), parameters.friction.band),
+            ],
+        }
+    }
+
+    /// Whether the motion of a sample, which is not outside the model for other reasons, meets a speed without friction.
+    fn meets_no_friction(&self, samples: &Columns<'_>, sample: usize) -> bool {
+        let Prepared::TimeDomain(criterion) = &self.prepared else { return false };
+        if !self.brake.friction_law().is_table() {
+            return false;
+        }
+        let values: Vec<f64> = samples.sample(sample).collect();
+        queued(0, criterion, self, &values).is_ok_and(|queued| queued.meets_no_friction())
+    }
+
+    /// Whether a sample is outside the model.
+    fn is_outside<'s>(&'s self, samples: &'s Columns<'_>) -> impl Fn(usize) -> bool + 's {
+        let least = self.least_static(samples);
+        move |sample| {
+            Self::inputs(samples, sample).are_outside_physics(least.of(sample))
+                || self.meets_no_friction(samples, sample)
+        }
+    }
+}
+
+/// See [`FrictionLaw::least_static_coefficient`](crate::friction::law::FrictionLaw::least_static_coefficient), of samples.
+struct LeastStatic<'s> {
+    /// With the expected values.
+    shared: f64,
+    curve: Option<SharedCurve>,
+    /// What decides it for other laws, if it varies.
+    kinetic: Option<&'s [f64]>,
+    /// What decides it for a measured curve, its column if it varies, and its expected value: the effective radius of the
+    /// pad, the rotating speed and the shift.
+    of_curve: [(Option<&'s [f64]>, f64); 3],
+}
+
+impl LeastStatic<'_> {
+    /// Whether it is not the same for all samples.
+    fn varies(&self) -> bool {
+        match self.curve {
+            Some(_) => self.of_curve.iter().any(|(column, _)| column.is_some()),
+            None => self.kinetic.is_some(),
+        }
+    }
+
+    fn of(&self, sample: usize) -> f64 {
+        match self.curve {
+            Some(curve) if self.varies() => {
+                let [radius, speed, shift] =
+                    self.of_curve.map(|(column, expected)| column.map_or(expected, |column| column[sample]));
+                curve.least_at_rest(radius * speed, shift)
+            }
+            Some(_) => self.shared,
+            None => self.kinetic.map_or(self.shared, |column| column[sample]),
+        }
     }
 }
 
@@ -249,29 +311,29 @@ impl Configuration for PadConfiguration {
     }
 
     fn outside(&self, samples: &Columns<'_>) -> Option<Vec<bool>> {
-        let least = self.least_static(samples);
-        let is_outside = |sample| Self::inputs(samples, sample).are_outside_physics(least(sample));
-        Some((0..samples.len()).map(is_outside).collect())
+        Some((0..samples.len()).map(self.is_outside(samples)).collect())
     }
 
     fn count_outside(&self, samples: &Columns<'_>) -> u64 {
+        let least = self.least_static(samples);
+        if least.varies() || matches!(self.prepared, Prepared::TimeDomain(_)) {
+            return (0..samples.len()).map(self.is_outside(samples)).map(u64::from).sum();
+        }
+        // One number for all samples: the usual case, and the faster one.
         let pairs = samples.column(0).iter().zip(samples.column(1));
         let pairs = pairs.map(|(&preload, &static_friction)| RandomInputs { preload, static_friction });
-        let least = self.brake.friction_law().least_static_coefficient();
-        match self.varying.least {
-            // One number for all samples: the usual case, and the faster one.
-            None => pairs.map(|inputs| u64::from(inputs.are_outside_physics(least))).sum(),
-            Some((column, factor)) => {
-                let least = samples.column(column).iter().map(|value| factor * value);
-                pairs.zip(least).map(|(inputs, least)| u64::from(inputs.are_outside_physics(least))).sum()
-            }
-        }
+        pairs.map(|inputs| u64::from(inputs.are_outside_physics(least.shared))).sum()
     }
 
     fn clamped(&self, samples: &Columns<'_>) -> Option<[Vec<f64>; 2]> {
         let least = self.least_static(samples);
         let preloads = samples.column(0).iter().map(|preload| preload.max(0.0)).collect();
-        let frictions = samples.column(1).iter().enumerate().map(|(sample, f)| f.max(least(sample))).collect();
+        // Nothing moves a curve that no static friction gives friction.
+        let clamped = |(sample, friction): (usize, &f64)| {
+            let least = least.of(sample);
+            if least.is_finite() { friction.max(least) } else { *friction }
+        };
+        let frictions = samples.column(1).iter().enumerate().map(clamped).collect();
         Some([preloads, frictions])
     }
 

@@ -1,5 +1,6 @@
 //! The pad on the disc as a [`Model`]: its quantities, and the configurations that decide samples.
 
+use crate::friction::law::LawKind;
 use crate::model::behaviour::Behaviours;
 use crate::model::decision::Source;
 use crate::model::quantity::Quantity;
@@ -36,7 +37,7 @@ pub use quantities::{
 impl PadModel {
     fn varying(&self, varying: &[usize]) -> Varying {
         let given = self.criterion().given_start();
-        Varying::new(varying, given, &self.parameters().friction.law)
+        Varying::new(varying, given)
     }
 }
 
@@ -57,7 +58,10 @@ impl Model for PadModel {
     }
 
     fn outside_meaning(&self) -> &'static str {
-        "preload at or below 0, or f_s < f_c"
+        match self.parameters().friction.law {
+            LawKind::Table(_) => "preload at or below 0, or a friction coefficient at or below 0",
+            LawKind::Stribeck | LawKind::Rational => "preload at or below 0, or f_s < f_c",
+        }
     }
 
     fn verdict_names(&self) -> [&'static str; 2] {

@@ -160,7 +160,7 @@ impl RigidBrake {
 
     /// Whether a sample is stable by definition, see [`PadOnDisc::is_outside_physics`].
     pub fn is_outside_physics(&self, inputs: RandomInputs) -> bool {
-        inputs.are_outside_physics(self.law.least_static_coefficient())
+        inputs.are_outside_physics(self.law.least_static_coefficient(self.disc_speed))
     }
 }
 

@@ -127,12 +127,13 @@ pub struct RandomInputs {
 
 impl RandomInputs {
     /// Whether a sample is outside physics, and so on a rigid disc stable by definition: without preload there is no
-    /// contact force, and with `f_s < f_c` friction rises with speed.
+    /// contact force, and below the least static friction coefficient friction rises with speed (`f_s < f_c`), or a measured
+    /// curve has none at rest or in steady sliding. See [`FrictionLaw::least_static_coefficient`].
     #[inline]
     #[must_use]
-    pub fn are_outside_physics(self, kinetic_coefficient: f64) -> bool {
+    pub fn are_outside_physics(self, least_static_coefficient: f64) -> bool {
         // `|`, not `||`: loops over many samples have no branches then.
-        (self.preload <= 0.0) | (self.static_friction < kinetic_coefficient)
+        (self.preload <= 0.0) | (self.static_friction < least_static_coefficient)
     }
 }
 
@@ -310,7 +311,21 @@ impl PadOnDisc {
     /// Whether a sample of this brake is outside physics, see [`RandomInputs::are_outside_physics`].
     #[must_use]
     pub fn is_outside_physics(&self, inputs: RandomInputs) -> bool {
-        inputs.are_outside_physics(self.friction.least_static_coefficient())
+        inputs.are_outside_physics(self.friction.least_static_coefficient(self.disc_speed()))
+    }
+
+    /// Whether a sample has a measured curve that is at or below 0 at rest or in steady sliding, or no preload: on any disc
+    /// it is outside physics then.
+    #[must_use]
+    pub fn lacks_friction(&self, inputs: RandomInputs) -> bool {
+        self.friction.is_table() && self.is_outside_physics(inputs)
+    }
+
+    /// The ranges of sliding speed (m/s) at which the friction coefficient is at or below 0, in rising order.
+    #[must_use]
+    pub fn speeds_without_friction(&self) -> Vec<[f64; 2]> {
+        let ranges = self.friction.without_friction().into_iter();
+        ranges.map(|range| range.map(|speed| self.scales.metres_per_second(speed))).collect()
     }
 
     /// k_t2 / k_t1, the share of the friction force that reaches the pad.

@@ -201,7 +201,7 @@ impl PadOnDisc {
     /// `Delta (f_0 - f_s) = const`.
     ///
     /// Samples outside physics are stable by definition, and never redrawn: `Delta <= 0` presses nothing together, and
-    /// `f_s < f_c` means friction that rises with speed.
+    /// `f_s < f_c` means friction that rises with speed, or a measured curve without friction at rest or at this speed.
     #[must_use]
     pub fn stability_boundary(&self) -> PairBoundary {
         let (law, v) = (self.friction_law(), self.disc_speed());
@@ -220,7 +220,7 @@ impl PadOnDisc {
             // A weakening that underflows to zero drives nothing, whatever the damping.
             (f64::INFINITY, 1.0, -kinetic)
         };
-        PairBoundary { critical_product, by_second, offset, least_second: law.least_static_coefficient() }
+        PairBoundary { critical_product, by_second, offset, least_second: law.least_static_coefficient(v) }
     }
 }
 

@@ -7,7 +7,7 @@ use crate::models::pad_on_disc::criterion::time_domain::DiscModel;
 use crate::models::pad_on_disc::lanes::flexible::LANES as FLEXIBLE_LANES;
 use crate::models::pad_on_disc::lanes::rigid::LANES;
 use crate::models::pad_on_disc::motion::start::Start;
-use crate::models::pad_on_disc::parameters::scalar;
+use crate::models::pad_on_disc::parameters::{Parameters, scalar};
 use crate::models::pad_on_disc::rigid_disc::pad_on_disc::{PadOnDisc, uniform_draws};
 
 /// Inputs all over the plane, in no order: deep in either region, near the boundary, outside physics.
@@ -87,6 +87,28 @@ fn other_discs_patches_and_exponents_agree_as_well() {
         for disc in [DiscModel::Rigid, DiscModel::Flexible { modes: 7 }] {
             assert_lanes_agree(&criterion(&disc, settings, &changes), &inputs(60));
         }
+    }
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
+fn motions_that_meet_no_friction_have_the_bits_of_the_scalar_code() {
+    let (rows, deviations) = ([0.45, 0.38, 0.3, 0.28], [0.02, 0.05, 0.08, 0.08]);
+    let curve = MeasuredCurve::new(&[0.0, 0.5, 2.0, 5.0], &rows, Some(&deviations)).unwrap();
+    let mut parameters = Parameters::sui_ding_2018();
+    parameters.friction.use_table(SharedCurve::new(curve));
+    parameters.friction.band = -2.5;
+    parameters.operating_point.rotating_speed = 6.0;
+    let brake = PadOnDisc::new(parameters).unwrap();
+    for (disc, count) in [(DiscModel::Rigid, 400), (DiscModel::Flexible { modes: 5 }, 60)] {
+        let settings = TimeDomainSettings { start: Start::Rest, ..Default::default() };
+        let criterion = TimeDomain::new(&brake, &disc, settings).unwrap();
+        let inputs = inputs(count);
+        let seen = assert_lanes_agree(&criterion, &inputs);
+        assert!(seen[0] > count / 10 && seen[1] > count / 20, "{seen:?}");
+        let inside = inputs.iter().filter(|inputs| !brake.is_outside_physics(**inputs));
+        let outside = inside.filter(|inputs| criterion.meets_no_friction(**inputs, Start::Rest));
+        assert!(outside.count() > count / 20);
     }
 }
 

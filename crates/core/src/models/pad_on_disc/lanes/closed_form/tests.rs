@@ -177,3 +177,26 @@ fn every_law_has_the_verdicts_of_its_own_boundary() {
         assert!(seen.stable.min(seen.unstable) > 300, "law {number}: {seen:?}");
     }
 }
+
+#[test]
+fn a_curve_without_friction_at_its_speed_is_outside_physics() {
+    let (rows, deviations) = ([0.45, 0.38, 0.3, 0.28], [0.02, 0.05, 0.08, 0.08]);
+    let curve = SharedCurve::new(MeasuredCurve::new(&[0.0, 0.5, 2.0, 5.0], &rows, Some(&deviations)).unwrap());
+    let mut parameters = Parameters::sui_ding_2018();
+    parameters.friction.law = LawKind::Table(curve);
+    parameters.friction.kinetic_coefficient = 0.0;
+    parameters.operating_point.rotating_speed = 4.0;
+    let brake = PadOnDisc::new(parameters).unwrap();
+    let speed = brake.speed_under_pad(4.0);
+    let mut case = case_of(brake, &["friction.band"], 0.0, 600, 1);
+    case.columns[0] = (0..600).map(|i| -0.02 * f64::from(i)).collect();
+    // At 0.54 m/s the curve falls the more the further it is shifted down.
+    let limit = -0.39 / 0.45 * curve.coefficient(speed) / curve.deviation(speed);
+    let verdicts = case.verdicts(&case.form);
+    for (sample, &verdict) in verdicts.iter().enumerate() {
+        let expected = if case.columns[0][sample] < limit { Verdict::Stable } else { Verdict::Unstable };
+        assert_eq!(verdict, expected, "z = {}", case.columns[0][sample]);
+        assert!(case.expected(sample).is_none_or(|expected| expected == verdict), "sample {sample}");
+    }
+    assert!(verdicts.contains(&Verdict::Stable) && verdicts.contains(&Verdict::Unstable));
+}
