@@ -123,3 +123,56 @@ fn an_oscillator_on_a_belt_is_outside_the_model_from_the_speed_at_which_it_meets
     assert_eq!(table.column("n_outside_physics"), [0.0, 0.0, 1.0, 1.0]);
     assert_eq!(table.column("n_unstable"), [1.0, 1.0, 0.0, 0.0]);
 }
+
+#[test]
+fn check_analyse_and_trajectory_say_where_there_is_no_friction() {
+    let place = Place::new();
+    place.write("scatter.toml", &case(&[]));
+    let said = place.run("check scatter.toml").done().stderr;
+    for text in
+        ["warning: 12.2 % of the curves that friction.band draws with std = 3", "-3.500 or less", "at 5.000 m/s"]
+    {
+        assert!(said.contains(text), "{text:?} is not in: {said}");
+    }
+    place.write("little.toml", &case(&[("= 3 }", "= 1 }")]));
+    assert!(!place.run("check little.toml").done().stderr.contains("of the curves"));
+
+    let fixed = |band: &str| {
+        let random = "[random]\ninputs = [\"friction.band\"]\nstd = { \"friction.band\" = 3 }";
+        case(&[("band = 0.0", &format!("band = {band}")), (random, "[random]\ninputs = []")])
+    };
+    let json = |words: &str| -> serde_json::Value {
+        serde_json::from_str(&place.run(&format!("{words} --json")).done().stdout).unwrap()
+    };
+    for (name, band, said_of_friction, steady) in [
+        ("cycle", "-3.6", "at or below 0 from 3.122 m/s on: the limit cycle meets such a speed", false),
+        ("steady", "-4.0", "m/s on: steady sliding or rest meets such a speed", true),
+    ] {
+        place.write(&format!("{name}.toml"), &fixed(band));
+        let said = place.run(&format!("analyse {name}.toml")).done().stdout;
+        let first = said.lines().next().unwrap_or_default();
+        assert_eq!(first.contains(": outside the model, without friction"), steady, "{first}");
+        assert!(said.contains("\nfriction           at or below 0 from"), "{said}");
+        assert!(said.contains(said_of_friction), "{said}");
+        let analysis = json(&format!("analyse {name}.toml"));
+        assert_eq!(analysis["without_friction"]["steady_sliding"], steady, "{analysis}");
+        assert!(analysis["without_friction"]["speeds_m_s"][0][1].is_null());
+        let motion = place.run(&format!("trajectory --job {name}.toml --horizon 50")).done().stdout;
+        assert!(motion.contains("verdict            stable\noutside the model  it meets a sliding speed"), "{motion}");
+        assert_eq!(json(&format!("trajectory --job {name}.toml --horizon 50"))["lacks_friction"], true);
+    }
+    assert_eq!(json("analyse")["without_friction"]["speeds_m_s"], serde_json::json!([]));
+    assert_eq!(json("trajectory --disc rigid --horizon 20")["lacks_friction"], false);
+
+    let belt = format!(
+        "name = \"belt\"\n[model]\nkind = \"belt-oscillator\"\nmass = 1.0\nstiffness = 1.0\ndamping = 0.05\n\
+         normal_force = 2.0\nbelt_speed = 1.5\n[model.friction]\n{TABLE}\nband = -3.6\n[random]\ninputs = []\n\
+         [criterion]\nkind = \"eigenvalue\"\n"
+    );
+    place.write("belt.toml", &belt);
+    assert!(
+        place.run("check belt.toml").done().stderr.contains("the curve with friction.band = -3.600 is not plausible")
+    );
+    let said = place.run("analyse belt.toml").done().stdout;
+    assert!(said.contains("\nfriction           at or below 0 from 3.122 m/s on: the limit cycle meets"), "{said}");
+}

@@ -110,7 +110,12 @@ pub fn report(
     let last = last_time(trajectory);
     let mut text = facts.lines;
     let fed_by = trajectory.fed_by.map_or(String::new(), |freedom| format!(", fed by the {freedom}"));
-    text += &format!("verdict            {}{fed_by}\n\n", name(trajectory.verdict));
+    text += &format!("verdict            {}{fed_by}\n", name(trajectory.verdict));
+    if trajectory.lacks_friction {
+        text += "outside the model  it meets a sliding speed at which the friction coefficient is at or below 0,\n\
+                 \x20                  and is stable by definition\n";
+    }
+    text += "\n";
     text += &match trajectory.settled {
         None => format!("The computation broke down at scaled time {last:.3} ({}).\n", duration(scales.seconds(last))),
         Some(settled) => settled_table(scales, trajectory, &settled),
@@ -165,6 +170,7 @@ fn summary_keys(scales: &Scales, trajectory: &Trajectory) -> Map<String, Value> 
     let keys = json!({
         "verdict": name(trajectory.verdict),
         "fed_by": trajectory.fed_by.map(|freedom| freedom.to_string()),
+        "lacks_friction": trajectory.lacks_friction,
         "x_max": of(|settled| settled.tangential_max),
         "x_min": of(|settled| settled.tangential_min),
         "x_mean": of(|settled| settled.tangential_mean),

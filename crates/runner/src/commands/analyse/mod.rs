@@ -1,5 +1,7 @@
 //! `analyse`: one parameter point.
 
+mod without_friction;
+
 mod point;
 
 mod text;

@@ -7,6 +7,7 @@ use stickslip_core::models::pad_on_disc::rigid_disc::pad_on_disc::{PadOnDisc, Sl
 use stickslip_core::models::pad_on_disc::rigid_disc::stability::SpeedRange;
 use stickslip_core::numerics::eigenvalues::Eigenvalue;
 
+use super::without_friction::WithoutFriction;
 use crate::job::measured_friction::described;
 use crate::units::significant;
 
@@ -23,12 +24,14 @@ pub struct Oscillator {
     ends: CycleEnds,
     cycle: Option<LimitCycle>,
     basin: Basin,
+    without_friction: WithoutFriction,
 }
 
 impl Oscillator {
     /// Of the pad that moves as it does.
     pub fn new(pad: &PadOnDisc) -> Self {
         let [first, second, ..] = pad.sliding_eigenvalues();
+        let cycle = pad.limit_cycle();
         Self {
             belt_speed: pad.parameters().operating_point.rotating_speed,
             curve: pad.parameters().friction.law.table().map(|curve| described(curve)),
@@ -36,8 +39,9 @@ impl Oscillator {
             eigenvalues: [first, second],
             unstable_speeds: pad.unstable_speeds(),
             ends: pad.cycle_ends(),
-            cycle: pad.limit_cycle(),
+            cycle,
             basin: pad.basin(),
+            without_friction: WithoutFriction::of(pad, cycle.is_some()),
         }
     }
 
@@ -75,6 +79,7 @@ impl Oscillator {
             "end_of_cycles": self.ends.any,
             "limit_cycle": cycle,
             "smallest_knock": knock,
+            "without_friction": self.without_friction.json(),
         })
     }
 
@@ -101,7 +106,11 @@ impl Oscillator {
             0.0 => format!("{} and {} 1/s", significant(first.re), significant(second.re)),
             im => format!("{} +- {}i 1/s", significant(first.re), significant(im)),
         };
-        let stable = if self.is_stable() { "stable" } else { "unstable" };
+        let stable = match (self.without_friction.steady, self.is_stable()) {
+            (true, _) => "outside the model, without friction",
+            (false, true) => "stable",
+            (false, false) => "unstable",
+        };
         let end_of_stick_slip = self.ends.stick_slip.map(|speed| format!("{} m/s", significant(speed)));
         let end_of_cycles = self.ends.without_sticking().map(|speed| {
             ("end of cycles", format!("{} m/s, no limit cycle above, with or without sticking", significant(speed)))
@@ -131,6 +140,7 @@ impl Oscillator {
             (_, None) => "not resolved".to_owned(),
         };
         let curve = self.curve.as_ref().map(|curve| ("friction curve", curve.clone()));
+        let without = self.without_friction.words().map(|words| ("friction", words));
         let rows = [
             ("belt speed", format!("{} m/s", significant(self.belt_speed))),
             (
@@ -147,6 +157,6 @@ impl Oscillator {
         ];
         let line = |(what, value): (&str, String)| format!("{what:<18} {value}\n");
         let cycle = [("limit cycle", cycle), ("basin", basin)];
-        rows.into_iter().chain(end_of_cycles).chain(cycle).chain(curve).map(line).collect()
+        rows.into_iter().chain(end_of_cycles).chain(cycle).chain(curve).chain(without).map(line).collect()
     }
 }

@@ -15,6 +15,7 @@ use stickslip_core::models::pad_on_disc::rigid_disc::pad_on_disc::{PadOnDisc, Ra
 use stickslip_core::models::pad_on_disc::rigid_disc::stability::SpeedRange;
 use stickslip_core::numerics::eigenvalues::{Eigenvalue, eigenvalues};
 
+use super::without_friction::WithoutFriction;
 use crate::failure::Failure;
 
 /// Disc frequencies are shown up to this number of nodal diameters.
@@ -33,6 +34,7 @@ pub struct Analysis {
     pub basin: Basin,
     pub critical_static_friction: f64,
     pub critical_preload: f64,
+    pub without_friction: WithoutFriction,
     pub brake: PadOnDisc,
 }
 
@@ -56,6 +58,7 @@ impl Analysis {
             })
         });
         let boundary = brake.stability_boundary();
+        let limit_cycle = brake.limit_cycle();
         Self {
             equilibrium: brake.sliding_equilibrium(),
             stable: brake.growth_rate() <= 0.0,
@@ -63,10 +66,11 @@ impl Analysis {
             disc_frequencies: disc_frequencies(&brake),
             unstable_speeds: brake.unstable_speeds(),
             ends: brake.cycle_ends(),
-            limit_cycle: brake.limit_cycle(),
+            limit_cycle,
             basin: brake.basin(),
             critical_static_friction: boundary.critical_second(preload),
             critical_preload: boundary.critical_first(static_friction),
+            without_friction: WithoutFriction::of(&brake, limit_cycle.is_some()),
             brake,
         }
     }
@@ -161,6 +165,7 @@ impl Analysis {
             "basin_area_m2_s": self.basin.area().map(|area| scales.square_metres_per_second(area)),
             "critical_preload_mm": scales.millimetres(self.critical_preload),
             "critical_normal_force_n": self.brake.contact_force(self.critical_preload),
+            "without_friction": self.without_friction.json(),
             "length_scale_m": scales.length,
             "speed_scale_m_s": scales.speed,
         });

@@ -22,7 +22,11 @@ impl Analysis {
             rounded(parameters.operating_point.rotating_speed),
             rounded(parameters.operating_point.preload),
             rounded(parameters.friction.static_coefficient),
-            headline(self.stable, self.coupled.as_ref().ok()),
+            if self.without_friction.steady {
+                "outside the model, without friction".to_owned()
+            } else {
+                headline(self.stable, self.coupled.as_ref().ok())
+            },
             self.sliding_text(),
             self.modes_text(),
             self.limits_text(),
@@ -50,10 +54,15 @@ impl Analysis {
             + &row("equilibrium phi0", "", &format!("{:.6e} rad", equilibrium.angle))
     }
 
-    /// How long a measured friction curve is and how often it falls and rises; nothing of another law.
+    /// How long a measured friction curve is, how often it falls and rises, and where it is at or below 0; nothing of another
+    /// law.
     fn curve_text(&self) -> String {
         let curve = self.brake.parameters().friction.law.table();
-        curve.map_or_else(String::new, |curve| format!("friction curve     {}\n", described(curve)))
+        let lines = [
+            curve.map(|curve| format!("friction curve     {}\n", described(curve))),
+            self.without_friction.words().map(|words| format!("friction           {words}\n")),
+        ];
+        lines.into_iter().flatten().collect()
     }
 
     /// Frequencies and growth rates of small motions.

@@ -126,7 +126,8 @@ struct BeltCriterionSpec {
     /// "time-domain"`.
     #[schemars(with = "Option<f64>", extend("default" = 10_000, "exclusiveMinimum" = 0, "maximum" = 1e9))]
     horizon: Option<Spanned<f64>>,
-    /// What happens to samples outside the model, with normal force at or below 0 or f_s < f_c.
+    /// What happens to samples outside the model, with normal force at or below 0 or f_s < f_c, or whose motion meets a speed
+    /// at which a measured curve is at or below 0.
     #[schemars(with = "Option<OutsidePhysics>", extend("default" = "stable"))]
     outside_physics: Option<Spanned<OutsidePhysics>>,
     /// What else is written for each cell: mean and quantiles of these results of its samples, as further columns.
@@ -559,11 +560,12 @@ impl JobModel for BeltJob {
         Tables { model, criterion: table_of(&BeltCriterionSpec::from(self.0.criterion())) }
     }
 
-    fn warnings(&self, grid: &Grid, _: &RandomInputSet) -> Vec<String> {
+    fn warnings(&self, grid: &Grid, random: &RandomInputSet) -> Vec<String> {
         let (Some((curve, speeds)), Some(place)) = (self.unstable_speeds(grid), self.belt_speed()) else {
             return Vec::new();
         };
         let mut warnings = measured_friction::doubts(&curve, grid.extremes_of(place)[1]);
+        warnings.extend(measured_friction::vanishing(&curve, self.0.quantities(), grid, random));
         warnings.extend(grid.axis_of(place).and_then(|axis| speeds.doubt(&curve, axis.values())));
         warnings
     }

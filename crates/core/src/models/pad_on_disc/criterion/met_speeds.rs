@@ -39,7 +39,12 @@ impl TimeDomain {
     /// Whether a sample that has friction at rest and in steady sliding moves at a sliding speed without friction: its
     /// coefficient is at or below 0 there.
     #[must_use]
-    pub fn meets_no_friction(&self, inputs: RandomInputs, start: Start) -> bool {
+    pub fn meets_no_friction(&self, inputs: RandomInputs) -> bool {
+        self.meets_no_friction_from(inputs, self.settings.start)
+    }
+
+    /// The same for a motion that starts elsewhere than the settings say.
+    pub(crate) fn meets_no_friction_from(&self, inputs: RandomInputs, start: Start) -> bool {
         let start = start.scaled(self.brake.scales());
         match &self.system {
             System::Rigid(brake) => self.rigid_meets_no_friction(&brake.sample(inputs), inputs, start),

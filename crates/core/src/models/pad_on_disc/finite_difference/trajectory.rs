@@ -1,5 +1,6 @@
 //! The recorded motion of pad and disc on the grid, with its verdict.
 
+use crate::friction::law::FrictionLaw;
 use crate::model::verdict::Verdict;
 use crate::models::pad_on_disc::criterion::flexible_monitor::{FlexibleMonitor, MonitorOptions};
 use crate::models::pad_on_disc::criterion::monitor::{Monitor, is_check_due};
@@ -115,9 +116,14 @@ impl FiniteDifferenceBrake {
         }
         let at_end = if broken { Verdict::Failed } else { Verdict::Undecided };
         let settled = SettledMotion::summarise(&monitored.log, &moments, intervals, interval);
-        let verdict = monitored.verdict.unwrap_or(at_end);
+        let law =
+            FrictionLaw { static_coefficient: inputs.static_friction, ..*self.modal.brake.brake().friction_law() };
+        let mut speeds = moments.iter().map(|moment| moment.sliding_speed);
+        let lacks_friction = !law.without_friction().is_empty()
+            && (law.at_rest() <= 0.0 || speeds.any(|speed| law.coefficient(speed) <= 0.0));
+        let verdict = if lacks_friction { Verdict::Stable } else { monitored.verdict.unwrap_or(at_end) };
         let fed_by = (verdict == Verdict::Unstable).then(|| monitored.monitor.fed_by());
-        Ok(Trajectory { moments, interval, settled, verdict, fed_by })
+        Ok(Trajectory { moments, interval, settled, verdict, fed_by, lacks_friction })
     }
 }
 

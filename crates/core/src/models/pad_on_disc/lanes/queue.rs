@@ -36,12 +36,12 @@ impl<'q> QueuedSample<'q> {
 
     /// Whether its motion meets a sliding speed at which there is no friction, see [`TimeDomain::meets_no_friction`].
     pub(crate) fn meets_no_friction(&self) -> bool {
-        let Some(brake) = &self.brake else { return self.criterion.meets_no_friction(self.inputs, self.start) };
+        let Some(brake) = &self.brake else { return self.criterion.meets_no_friction_from(self.inputs, self.start) };
         let law = FrictionLaw { static_coefficient: self.inputs.static_friction, ..*brake.friction_law() };
         let own = || self.criterion.with_brake(brake).ok();
         // Most have friction at every speed, and need nothing prepared.
         !law.without_friction().is_empty()
-            && own().is_some_and(|criterion| criterion.meets_no_friction(self.inputs, self.start))
+            && own().is_some_and(|criterion| criterion.meets_no_friction_from(self.inputs, self.start))
     }
 
     /// Its decision by the scalar code.

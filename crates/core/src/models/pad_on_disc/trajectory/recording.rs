@@ -28,6 +28,9 @@ pub struct Trajectory {
     pub verdict: Verdict,
     /// What feeds the motion if it is unstable.
     pub fed_by: Option<DegreeOfFreedom>,
+    /// Whether the friction coefficient is at or below 0 at a sliding speed that the motion meets, or at rest: it is outside
+    /// the model, and stable by definition.
+    pub lacks_friction: bool,
 }
 
 impl TimeDomain {
@@ -66,7 +69,8 @@ impl TimeDomain {
         let settled = SettledMotion::summarise(&log, &moments, steps, h);
         let Decision { verdict, fed_by, .. } = self.decide(inputs);
         let fed_by = fed_by.map(|place| DegreeOfFreedom::ALL[place]);
-        Ok(Trajectory { moments, interval: h, settled, verdict, fed_by })
+        let lacks_friction = self.brake.lacks_friction(inputs) || self.meets_no_friction(inputs);
+        Ok(Trajectory { moments, interval: h, settled, verdict, fed_by, lacks_friction })
     }
 }
 

@@ -45,7 +45,8 @@ pub struct CriterionSpec {
     /// "time-domain"`.
     #[schemars(with = "Option<IndexSpec>")]
     pub index: Option<Spanned<IndexSpec>>,
-    /// What happens to samples outside the model, with preload at or below 0 or f_s < f_c.
+    /// What happens to samples outside the model, with preload at or below 0 or f_s < f_c, or whose motion meets a speed at
+    /// which a measured curve is at or below 0.
     #[schemars(with = "Option<OutsidePhysics>", extend("default" = "stable"))]
     pub outside_physics: Option<Spanned<OutsidePhysics>>,
     /// What else is written for each cell: mean and quantiles of these results of its samples, as further columns.

@@ -4,8 +4,13 @@
 //! Stability is the sign of a slope, and the slope between noisy rows is that of the noise.
 
 use stickslip_core::friction::measured_curve::{MeasuredCurve, Smoothing};
+use stickslip_core::model::quantity::Quantity;
 use stickslip_core::models::pad_on_disc::rigid_disc::stability::SpeedRange;
+use stickslip_sampler::grid::Grid;
+use stickslip_sampler::inputs::Marginal;
+use stickslip_sampler::special_functions::normal;
 
+use crate::job::random::RandomInputSet;
 use crate::units::significant;
 
 /// A curve that falls in more ranges of speed than this is taken for a noisy one.
@@ -13,6 +18,9 @@ const MOST_FALLS: usize = 2;
 
 /// Highest speed of a curve that is plausible, m/s: that under the pads of a fast train.
 const FASTEST: f64 = 60.0;
+
+/// Largest share of curves without friction at some speed that is plausible.
+const MOST_VANISHING: f64 = 0.01;
 
 /// Most ranges of speed in a message.
 const MOST_LISTED: usize = 8;
@@ -59,6 +67,44 @@ fn times(count: usize) -> String {
 /// Warnings about a curve of a job that slides at `fastest` at most, m/s.
 pub fn doubts(curve: &MeasuredCurve, fastest: f64) -> Vec<String> {
     wrong_unit(curve, fastest).into_iter().chain(noise(curve)).collect()
+}
+
+/// A warning about curves of a job that are shifted so far down that they are at or below 0 at one of their rows.
+pub fn vanishing(
+    curve: &MeasuredCurve,
+    quantities: &[Quantity],
+    grid: &Grid,
+    random: &RandomInputSet,
+) -> Option<String> {
+    let place = |path: &str| quantities.iter().position(|quantity| quantity.path == path);
+    let (band, at_rest) = (place("friction.band")?, place("friction.static_coefficient")?);
+    let ([shift, _], [at_rest, _]) = (grid.extremes_of(band), grid.extremes_of(at_rest));
+    let rows = curve.speeds().iter().zip(curve.coefficients()).zip(curve.deviations()?);
+    let limits = rows.filter(|(_, deviation)| **deviation > 0.0).map(|((&speed, coefficient), deviation)| {
+        let scaled = coefficient * at_rest / curve.at_rest();
+        (-scaled / deviation, speed)
+    });
+    let (limit, speed) = limits.reduce(|first, next| if next.0 > first.0 { next } else { first })?;
+    let position = random.position(band).filter(|&position| random.marginals[position] == Marginal::Normal);
+    let std = position.map_or(0.0, |i| random.relative_stds.iter().map(|stds| stds[i]).fold(0.0, f64::max));
+    let share = if std > 0.0 {
+        normal::upper_tail((shift - limit) / std)
+    } else if shift <= limit {
+        1.0
+    } else {
+        0.0
+    };
+    (share > MOST_VANISHING).then(|| {
+        let (limit, speed, std) = (significant(limit), significant(speed), significant(std));
+        let which = if share < 1.0 {
+            format!("{:.1} % of the curves that friction.band draws with std = {std} are", 100.0 * share)
+        } else {
+            format!("the curve with friction.band = {} is", significant(shift))
+        };
+        format!(
+            "{which} not plausible: with a friction.band of {limit} or less the friction coefficient is at or below 0 at {speed} m/s (usually in less than 1 %). A sample whose motion meets such a speed is outside the model, see criterion.outside_physics. Give friction.band closer to 0, with a smaller std, or check the column std of friction.table"
+        )
+    })
 }
 
 /// A warning about speeds that are probably not in m/s.

@@ -272,9 +272,12 @@ impl JobModel for PadJob {
         normalised::tables(&self.model, grid)
     }
 
-    fn warnings(&self, grid: &Grid, _: &RandomInputSet) -> Vec<String> {
+    fn warnings(&self, grid: &Grid, random: &RandomInputSet) -> Vec<String> {
         let parameters = self.model.parameters();
-        let mut warnings = plausibility::of_job(parameters, self.model.quantities(), grid);
+        let quantities = self.model.quantities();
+        let mut warnings = plausibility::of_job(parameters, quantities, grid);
+        let curve = parameters.friction.law.table();
+        warnings.extend(curve.and_then(|curve| measured_friction::vanishing(curve, quantities, grid, random)));
         if let (Some((curve, speeds)), Some(axis)) = (self.unstable_speeds(grid), grid.axis_of(ROTATING_SPEED)) {
             warnings.extend(speeds.doubt(curve, axis.values()));
         }

@@ -107,7 +107,7 @@ fn motions_that_meet_no_friction_have_the_bits_of_the_scalar_code() {
         let seen = assert_lanes_agree(&criterion, &inputs);
         assert!(seen[0] > count / 10 && seen[1] > count / 20, "{seen:?}");
         let inside = inputs.iter().filter(|inputs| !brake.is_outside_physics(**inputs));
-        let outside = inside.filter(|inputs| criterion.meets_no_friction(**inputs, Start::Rest));
+        let outside = inside.filter(|inputs| criterion.meets_no_friction(**inputs));
         assert!(outside.count() > count / 20);
     }
 }
