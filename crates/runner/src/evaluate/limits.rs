@@ -14,7 +14,7 @@ use stickslip_sampler::limits::sweep::{SortedSweep, Sweep};
 
 use crate::evaluate::evaluator::Evaluator;
 use crate::evaluate::integral::exact_probability;
-use crate::evaluate::limits_found::{Beside, CombinationLimits, Ended};
+use crate::evaluate::limits_found::{Beside, CombinationLimits, Ended, Intervals};
 use crate::evaluate::randomised;
 use crate::evaluate::remembered_intervals::RememberedIntervals;
 use crate::evaluate::remembering::{Asked, Keeper};
@@ -105,7 +105,7 @@ impl<'a> LimitSearch<'a> {
                     let [low, high] = found.bounds();
                     Ok(Estimate { probability: Some(found.value), low, high })
                 };
-                self.scan(targets, TOLERANCES[0], &[], |value| asked.estimate(|| estimate(value)))
+                self.scan(targets, TOLERANCES[0], &[], |value| asked.estimate(|| estimate(value)).map(Intervals::from))
             }
             LimitMethod::OneInput => {
                 let unstable = UnstableValuesOfInput::default();
@@ -116,7 +116,8 @@ impl<'a> LimitSearch<'a> {
                     place.expected[self.axis.quantity] = value;
                     let found = unstable.estimate(self.job, &place, input, &memory);
                     go_on()?;
-                    self.beside_targets(value, targets, found)
+                    self.beside_targets(value, targets, found)?;
+                    Ok(Intervals::from(found))
                 };
                 self.scan(targets, TOLERANCES[1], &[], estimate)
             }
@@ -125,7 +126,7 @@ impl<'a> LimitSearch<'a> {
                 let estimate = |value: f64| {
                     go_on()?;
                     let found = self.regions[index].probability(&self.moved(&place, value));
-                    Ok(Estimate { probability: found.value, low: found.low, high: found.high })
+                    Ok(Intervals::from(Estimate { probability: found.value, low: found.low, high: found.high }))
                 };
                 self.scan(targets, TOLERANCES[1], &[], estimate)
             }
@@ -138,21 +139,23 @@ impl<'a> LimitSearch<'a> {
             LimitMethod::Samples => {
                 let estimate = |value: f64| {
                     let found = self.of_samples(cell, value, &asked, is_stopped)?;
-                    let may_be_open = self.job.answer() == Answer::Probability;
-                    if may_be_open { self.beside_targets(value, targets, found) } else { Ok(found) }
+                    if self.job.answer() == Answer::Probability {
+                        self.beside_targets(value, targets, found.estimate)?;
+                    }
+                    Ok(found)
                 };
                 self.scan(targets, TOLERANCES[1], &[], estimate)
             }
         }
     }
 
-    /// An estimate over critical values, which has a probability or bounds on one side of every target.
+    /// Requires that an estimate over critical values has a probability, or bounds on one side of every target.
     ///
     /// # Errors
     /// A target between bounds that leave the probability open.
-    fn beside_targets(&self, value: f64, targets: &[f64], found: Estimate) -> Result<Estimate, Ended> {
-        let Estimate { probability: None, low, high } = found else { return Ok(found) };
-        let Some(target) = targets.iter().find(|&&target| low <= target && target < high) else { return Ok(found) };
+    fn beside_targets(&self, value: f64, targets: &[f64], found: Estimate) -> Result<(), Ended> {
+        let Estimate { probability: None, low, high } = found else { return Ok(()) };
+        let Some(target) = targets.iter().find(|&&target| low <= target && target < high) else { return Ok(()) };
         let name = &self.axis.name;
         Err(Ended::Failed(Failure::Job(format!(
             "with {name} = {value} the probability is left open between {low:.6} and {high:.6}, and the target {target} is between these: critical values could not be told apart. Use sampling.method = \"importance\", or leave such values out of axes.{name}"
@@ -170,14 +173,15 @@ impl<'a> LimitSearch<'a> {
         targets: &[f64],
         tolerance: f64,
         further: &[f64],
-        estimate: impl Fn(f64) -> Result<Estimate, Ended>,
+        estimate: impl Fn(f64) -> Result<Intervals, Ended>,
     ) -> Result<CombinationLimits, Ended> {
         let mut values = self.values();
         values.extend(further);
         values.sort_by(f64::total_cmp);
         values.dedup();
-        let scan = Scan::new(&values, tolerance, &estimate)?;
-        let limits = |&target: &f64| scan.limits(target, &estimate);
+        let usual = |value: f64| estimate(value).map(|found| found.estimate);
+        let scan = Scan::new(&values, tolerance, usual)?;
+        let limits = |&target: &f64| scan.limits(target, usual);
         let of_targets = targets.iter().map(limits).collect::<Result<_, _>>()?;
         CombinationLimits::new(&scan, of_targets, estimate)
     }
@@ -203,7 +207,10 @@ impl<'a> LimitSearch<'a> {
         }
         let sweeps = GroupedSweeps::new(&sweeps);
         let inputs = job.random.inputs.len();
-        let estimate = |value: f64| Ok(randomisations::estimate(&sweeps.at(value), inputs, self.confidence));
+        let estimate = |value: f64| {
+            let counts = sweeps.at(value);
+            Ok(Intervals::new(self.confidence, |confidence| randomisations::estimate(&counts, inputs, confidence)))
+        };
         self.scan(targets, TOLERANCES[0], &sweeps.changes(CHANGES), estimate)
     }
 
@@ -214,18 +221,18 @@ impl<'a> LimitSearch<'a> {
         value: f64,
         asked: &Asked<'_>,
         is_stopped: IsStopped<'_>,
-    ) -> Result<Estimate, Ended> {
+    ) -> Result<Intervals, Ended> {
         let job = self.axis.job_at(self.job, value);
         job.configuration_in(&job.grid.cell(cell)).map_err(|error| Ended::NoSuchConfiguration(value, error))?;
         let evaluator = Evaluator::new(&job).map_err(Ended::Failed)?;
         let parts = evaluator.count_cell(cell, asked, is_stopped).ok_or(Ended::Stopped)?;
-        Ok(match job.sampling.effort {
-            Effort::Randomisations { .. } => randomised::estimate(&job, &parts, self.confidence),
+        Ok(Intervals::new(self.confidence, |confidence| match job.sampling.effort {
+            Effort::Randomisations { .. } => randomised::estimate(&job, &parts, confidence),
             _ => {
                 let all = parts.iter().fold(VerdictCounts::default(), |sum, part| sum + part.counts);
-                job.interval(self.confidence).estimate(&all)
+                job.interval(confidence).estimate(&all)
             }
-        })
+        }))
     }
 
     /// The pair in a cell with another value of the axis, if that is one of the pair.

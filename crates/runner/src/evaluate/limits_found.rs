@@ -1,7 +1,7 @@
 //! What a search for limits finds in one combination of the other axes, with plain samples beside it.
 
 use stickslip_core::model::{IsStopped, ModelError};
-use stickslip_sampler::estimate::audit::PlainSamples;
+use stickslip_sampler::estimate::audit::{COMPARED, PlainSamples};
 use stickslip_sampler::estimate::interval::Estimate;
 use stickslip_sampler::limits::Limit;
 use stickslip_sampler::limits::scan::Scan;
@@ -31,6 +31,27 @@ pub struct CombinationLimits {
     pub of_targets: Vec<Vec<(Limit, Option<Beside>)>>,
 }
 
+/// A probability with its interval of the confidence of a search, and that which plain samples are compared with.
+#[derive(Debug, Clone, Copy)]
+pub struct Intervals {
+    pub estimate: Estimate,
+    pub compared: Estimate,
+}
+
+impl Intervals {
+    /// Of a probability that has an interval of any confidence.
+    pub fn new(confidence: f64, interval: impl Fn(f64) -> Estimate) -> Self {
+        Self { estimate: interval(confidence), compared: interval(COMPARED) }
+    }
+}
+
+impl From<Estimate> for Intervals {
+    /// Of a probability with bounds, which hold with any confidence.
+    fn from(bounded: Estimate) -> Self {
+        Self { estimate: bounded, compared: bounded }
+    }
+}
+
 /// The probability at a value of the axis, and the plain samples there.
 #[derive(Debug, Clone, Copy)]
 pub struct Beside {
@@ -38,6 +59,8 @@ pub struct Beside {
     value: f64,
     /// The probability, between bounds that hold on both sides of the value.
     pub estimate: Estimate,
+    /// The ends of the interval that the samples are compared with.
+    compared: [f64; 2],
     /// Samples with that value, if there are any.
     pub plain: Option<PlainSamples>,
 }
@@ -46,14 +69,20 @@ pub struct Beside {
 const SIDE: f64 = 1e-8;
 
 impl Beside {
+    /// Without plain samples yet.
+    fn new(value: f64, found: Intervals) -> Self {
+        let Intervals { estimate, compared: Estimate { low, high, .. } } = found;
+        Self { value, estimate, compared: [low, high], plain: None }
+    }
+
     /// Without plain samples. `probability` is not checked.
     pub fn unchecked(value: f64, probability: Option<f64>) -> Self {
-        Self { value, estimate: Estimate { probability, low: 0.0, high: 1.0 }, plain: None }
+        Self::new(value, Estimate { probability, low: 0.0, high: 1.0 }.into())
     }
 
     /// Whether the plain samples contradict the probability.
     pub fn is_contradicted(&self) -> bool {
-        self.plain.is_some_and(|plain| plain.contradict([self.estimate.low, self.estimate.high]))
+        self.plain.is_some_and(|plain| plain.contradict(self.compared))
     }
 }
 
@@ -65,24 +94,29 @@ impl CombinationLimits {
     pub fn new(
         scan: &Scan,
         of_targets: Vec<Vec<Limit>>,
-        estimate: impl Fn(f64) -> Result<Estimate, Ended>,
+        estimate: impl Fn(f64) -> Result<Intervals, Ended>,
     ) -> Result<Self, Ended> {
-        let ends = scan.ends().unwrap_or([(f64::NAN, Estimate { probability: None, low: 0.0, high: 1.0 }); 2]);
-        let [from, to] = ends.map(|(value, _)| value);
+        let ends = match scan.ends() {
+            Some([(from, _), (to, _)]) => [Beside::new(from, estimate(from)?), Beside::new(to, estimate(to)?)],
+            None => [Beside::unchecked(f64::NAN, None); 2],
+        };
+        let [from, to] = ends.map(|end| end.value);
+        let both = |below: Estimate, above: Estimate| Estimate {
+            probability: below.probability.or(above.probability),
+            low: below.low.min(above.low),
+            high: below.high.max(above.high),
+        };
         let beside = |limit: Limit| -> Result<(Limit, Option<Beside>), Ended> {
             let Some(value) = limit.value else { return Ok((limit, None)) };
             let step = SIDE * (to - from);
             let below = estimate((value - step).max(from))?;
             let above = estimate((value + step).min(to))?;
-            let (low, high) = (below.low.min(above.low), below.high.max(above.high));
-            let estimate = Estimate { probability: below.probability.or(above.probability), low, high };
-            Ok((limit, Some(Beside { value, estimate, plain: None })))
+            let estimate = both(below.estimate, above.estimate);
+            let compared = both(below.compared, above.compared);
+            Ok((limit, Some(Beside::new(value, Intervals { estimate, compared }))))
         };
         let with_estimates = |limits: Vec<Limit>| limits.into_iter().map(beside).collect::<Result<Vec<_>, _>>();
-        Ok(Self {
-            ends: ends.map(|(value, estimate)| Beside { value, estimate, plain: None }),
-            of_targets: of_targets.into_iter().map(with_estimates).collect::<Result<_, _>>()?,
-        })
+        Ok(Self { ends, of_targets: of_targets.into_iter().map(with_estimates).collect::<Result<_, _>>()? })
     }
 
     /// Draws plain samples of a combination at its limits and at both ends of the axis, where the job has such.
@@ -137,10 +171,9 @@ mod tests {
     fn plain_samples_contradict_a_wrong_probability_at_a_limit_and_at_each_end() {
         let job = JobSource { path: PathBuf::from("job.toml"), text: JOB.to_owned() }.job().unwrap();
         let axis = LimitAxis::named(&job, "preload").unwrap();
-        let beside = |value: f64, p: f64| Beside {
-            value,
-            estimate: Estimate { probability: Some(p), low: p, high: p },
-            plain: None,
+        let beside = |value: f64, p: f64| {
+            let certain = Estimate { probability: Some(p), low: p, high: p };
+            Beside::new(value, certain.into())
         };
         // The probability at 0.0559726 is 0.01 with an error of 0, and a limit elsewhere is none.
         let limit = Limit { state: stickslip_sampler::limits::State::Rises, value: Some(0.0), bounds: None };
@@ -164,6 +197,13 @@ mod tests {
             let expected: Vec<bool> = (0..3).map(|each| place == Some(each)).collect();
             assert_eq!(all.map(|each| each.is_contradicted()).to_vec(), expected, "{all:?}");
             assert!(all.iter().all(|each| each.plain.is_some_and(|plain| plain.decided == job.plain_samples())));
+            // They are compared with the interval that is there for it, not with that of the confidence of the job.
+            let wide = Estimate { probability: None, low: 0.0, high: 1.0 };
+            let widened = |beside: &Beside| {
+                let Beside { value, estimate, plain, .. } = *beside;
+                Beside { plain, ..Beside::new(value, Intervals { estimate, compared: wide }) }
+            };
+            assert!(all.iter().all(|each| !widened(each).is_contradicted()));
             // What is kept is not drawn again.
             let mut again = found.clone();
             audit(&mut again, true).unwrap();

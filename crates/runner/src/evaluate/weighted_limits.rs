@@ -10,7 +10,7 @@ use stickslip_sampler::limits::Limit;
 use stickslip_sampler::limits::scan::Scan;
 
 use crate::evaluate::evaluator::Evaluator;
-use crate::evaluate::limits_found::{CombinationLimits, Ended};
+use crate::evaluate::limits_found::{CombinationLimits, Ended, Intervals};
 use crate::evaluate::randomised;
 use crate::evaluate::remembering::Asked;
 use crate::failure::Failure;
@@ -56,7 +56,8 @@ impl WeightedSearch<'_, '_> {
         targets: &[f64],
         is_stopped: IsStopped<'_>,
     ) -> Result<CombinationLimits, Ended> {
-        let estimate = |value: f64| self.estimate(value, None, targets, is_stopped);
+        let found = |value: f64| self.estimate(value, None, targets, is_stopped);
+        let estimate = |value: f64| found(value).map(|found| found.estimate);
         let scan = Scan::new(values, TOLERANCES[0], estimate)?;
         if scan.is_unknown() {
             return Err(Ended::Failed(Failure::Job(format!(
@@ -72,7 +73,7 @@ impl WeightedSearch<'_, '_> {
             }
             of_targets.push(limits);
         }
-        CombinationLimits::new(&scan, of_targets, estimate)
+        CombinationLimits::new(&scan, of_targets, found)
     }
 
     /// Locates a limit with samples that are placed once.
@@ -82,7 +83,8 @@ impl WeightedSearch<'_, '_> {
         let placed = Evaluator::new(&job).map_err(Ended::Failed)?;
         // Its samples have to be placed, whatever is known of them.
         self.evaluate(&job, &placed, value, &[target], &Asked::new(None, (self.cell, 0)), is_stopped)?;
-        let estimate = |value: f64| self.estimate(value, Some(&placed), &[target], is_stopped);
+        let estimate =
+            |value: f64| self.estimate(value, Some(&placed), &[target], is_stopped).map(|found| found.estimate);
         let [least, most] = self.axis.range();
         for reach in REACHES {
             let width = reach * value.abs().max(SMALLEST * (most - least));
@@ -114,7 +116,7 @@ impl WeightedSearch<'_, '_> {
         placed: Option<&Evaluator<'_>>,
         targets: &[f64],
         is_stopped: IsStopped<'_>,
-    ) -> Result<Estimate, Ended> {
+    ) -> Result<Intervals, Ended> {
         let job = self.axis.job_at(self.job, value);
         job.configuration_in(&job.grid.cell(self.cell)).map_err(|error| Ended::NoSuchConfiguration(value, error))?;
         let evaluator = Evaluator::new(&job).map_err(Ended::Failed)?;
@@ -131,21 +133,22 @@ impl WeightedSearch<'_, '_> {
         targets: &[f64],
         asked: &Asked<'_>,
         is_stopped: IsStopped<'_>,
-    ) -> Result<Estimate, Ended> {
+    ) -> Result<Intervals, Ended> {
         let parts = evaluator.count_cell(self.cell, asked, is_stopped).ok_or(Ended::Stopped)?;
-        match randomised::of_weights(job, &parts, self.confidence) {
-            Some(found) if found.distrust.is_none() => Ok(found.estimate),
+        let found = randomised::of_weights(job, &parts, self.confidence).ok_or_else(|| self.distrusted(value))?;
+        let probability = match found.distrust {
+            None => found.estimate.probability,
             // Nothing stable: the probability is 1 as far as a limit is concerned. Without one it counts as 0.
-            Some(found) if found.distrust == Some(Distrust::NothingFound) => {
-                let probability = (found.mean > 0.5).then_some(found.mean);
-                Ok(Estimate { probability, ..found.estimate })
-            }
+            Some(Distrust::NothingFound) => (found.mean > 0.5).then_some(found.mean),
             // Far below all targets its digits do not matter; a population that found more has at most four times the mean.
-            Some(found) if targets.iter().all(|target| found.mean < FAR_BELOW * target) => {
-                Ok(Estimate { probability: Some(found.mean), ..found.estimate })
-            }
-            _ => Err(self.distrusted(value)),
-        }
+            Some(_) if targets.iter().all(|target| found.mean < FAR_BELOW * target) => Some(found.mean),
+            Some(_) => return Err(self.distrusted(value)),
+        };
+        let interval = |confidence: f64| {
+            let found = randomised::of_weights(job, &parts, confidence).unwrap_or(found);
+            Estimate { probability, ..found.estimate }
+        };
+        Ok(Intervals::new(self.confidence, interval))
     }
 
     fn distrusted(&self, value: f64) -> Ended {

@@ -46,13 +46,8 @@ pub const CONTRADICTED: u64 = 5;
 pub const OPEN: u64 = 6;
 
 /// Why an estimate is not to be trusted: by plain samples, by its weights, or as an integral that is left open.
-pub fn distrust(
-    weighted: Option<&WeightedEstimate>,
-    is_open: bool,
-    estimate: &Estimate,
-    plain: Option<&PlainSamples>,
-) -> u64 {
-    if plain.is_some_and(|plain| plain.contradict([estimate.low, estimate.high])) {
+pub fn distrust(weighted: Option<&WeightedEstimate>, is_open: bool, is_contradicted: bool) -> u64 {
+    if is_contradicted {
         return CONTRADICTED;
     }
     match weighted.and_then(|weighted| weighted.distrust) {
@@ -101,12 +96,11 @@ mod tests {
             evaluations: 300.0,
             distrust: Some(Distrust::NothingFound),
         };
-        let plain = |unstable: u64| PlainSamples { decided: 300, unstable };
         for (weighted, is_open, otherwise) in
             [(Some(&distrusted), false, 1), (Some(&distrusted), true, 1), (None, true, OPEN), (None, false, 0)]
         {
-            let of = |unstable: u64| distrust(weighted, is_open, &estimate, Some(&plain(unstable)));
-            assert_eq!([of(3), of(90)], [otherwise, CONTRADICTED]);
+            let of = |is_contradicted: bool| distrust(weighted, is_open, is_contradicted);
+            assert_eq!([of(false), of(true)], [otherwise, CONTRADICTED]);
         }
     }
 }

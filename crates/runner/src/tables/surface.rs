@@ -7,8 +7,9 @@ use std::io::{self, BufWriter, Write};
 use parquet::errors::ParquetError;
 use stickslip_core::model::verdict::VerdictCounts;
 use stickslip_sampler::draw::identity::RESULTS_VERSION;
-use stickslip_sampler::estimate::audit::PlainSamples;
+use stickslip_sampler::estimate::audit::{COMPARED, PlainSamples};
 use stickslip_sampler::estimate::interval::Estimate;
+use stickslip_sampler::estimate::weighted::WeightedEstimate;
 
 use crate::evaluate::integral::IntegratedCell;
 use crate::evaluate::parts::Parts;
@@ -87,19 +88,16 @@ impl<'a> Surface<'a> {
         // Where every sample was simulated or audited, none was looked up alone.
         let is_audited = self.job.sampling.is_audited && lookups.simulated + lookups.audited < counts.total();
         let confidence = self.job.confidence(is_audited);
-        let is_weighted = self.job.answer().is_of_rare_events();
-        let parts = || self.tally.counted_parts(self.parts.in_cell(cell));
-        let weighted = is_weighted.then(|| randomised::of_weights(self.job, &parts(), confidence)).flatten();
-        let counted = match (&integrated, &weighted) {
-            (Some(integrated), _) => integrated.estimate,
-            (None, Some(weighted)) => weighted.estimate,
-            (None, None) => self.estimate(cell, &counts, confidence),
-        };
+        let (counted, weighted) = self.found(cell, &counts, confidence);
         let plain = self.audits.map(|audits| PlainSamples::from(audits.counts(cell)));
+        let is_contradicted = plain.is_some_and(|plain| {
+            let (Estimate { low, high, .. }, _) = self.found(cell, &counts, COMPARED);
+            plain.contradict([low, high])
+        });
         // Of conditional probabilities those may be open that count as undecided.
         let may_be_open = integrated.is_some() || (self.job.answer() == Answer::Probability && counts.undecided > 0);
         let is_open = may_be_open && counted.probability.is_none();
-        let distrust = distrust(weighted.as_ref(), is_open, &counted, plain.as_ref());
+        let distrust = distrust(weighted.as_ref(), is_open, is_contradicted);
         let counted = if distrust == CONTRADICTED { Estimate { probability: None, ..counted } } else { counted };
         let unaudited =
             self.job.sampling.is_audited.then(|| {
@@ -118,6 +116,20 @@ impl<'a> Surface<'a> {
             integrated,
             plain,
             distrust,
+        }
+    }
+
+    /// The probability of a cell with its bounds, or else with its interval of a confidence; and what there is to say of its
+    /// samples where these have weights.
+    fn found(&self, cell: u64, counts: &VerdictCounts, confidence: f64) -> (Estimate, Option<WeightedEstimate>) {
+        if let Some(integrated) = self.integrated.get(cell as usize) {
+            return (integrated.estimate, None);
+        }
+        let parts = || self.tally.counted_parts(self.parts.in_cell(cell));
+        let is_weighted = self.job.answer().is_of_rare_events();
+        match is_weighted.then(|| randomised::of_weights(self.job, &parts(), confidence)).flatten() {
+            Some(weighted) => (weighted.estimate, Some(weighted)),
+            None => (self.estimate(cell, counts, confidence), None),
         }
     }
 

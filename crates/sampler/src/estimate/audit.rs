@@ -45,8 +45,15 @@ pub fn upper_bound(differed: u64, audited: u64, confidence: f64) -> f64 {
     beta::upper_quantile(differed as f64 + 1.0, (audited - differed) as f64, 1.0 - confidence)
 }
 
-/// How improbable counts of plain samples have to be, whatever the probability within its bounds, to contradict these.
-pub const CONTRADICTION: f64 = 1e-6;
+/// How probable it is at most that plain samples contradict a probability that is right.
+const CONTRADICTION: f64 = 1e-6;
+
+/// The confidence of the interval of a probability that plain samples are compared with. At 95 % one right estimate of
+/// twenty misses by chance, and enough plain samples would tell; here the interval has half of [`CONTRADICTION`].
+pub const COMPARED: f64 = 1.0 - 0.5 * CONTRADICTION;
+
+/// How improbable counts of plain samples have to be at the end of that interval: few unstable ones and many share the rest.
+const TAIL: f64 = 0.25 * CONTRADICTION;
 
 /// Plain samples beside a probability that does not come from them.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -64,14 +71,15 @@ impl From<VerdictCounts> for PlainSamples {
 }
 
 impl PlainSamples {
-    /// Whether they contradict a probability between these bounds: with the nearest one, so few unstable ones or so many have
-    /// a probability below [`CONTRADICTION`].
+    /// Whether they contradict a probability whose interval of the confidence [`COMPARED`] has these ends, or that has such
+    /// bounds: at the nearest end, so few unstable ones or so many have a probability below 2.5e-7. A right probability is
+    /// contradicted with a probability of at most 1e-6: that its interval misses has half of it, and each tail a quarter.
     #[must_use]
     pub fn contradict(&self, [low, high]: [f64; 2]) -> bool {
         let Self { decided, unstable } = *self;
         let at_most = || beta::binomial_at_most(unstable, decided, low);
         let at_least = || beta::binomial_at_least(unstable, decided, high);
-        decided > 0 && (at_most() < CONTRADICTION || at_least() < CONTRADICTION)
+        decided > 0 && (at_most() < TAIL || at_least() < TAIL)
     }
 
     /// The probability at most of what was missed, of instability or of stability, where a probability is said to lie between
@@ -88,6 +96,7 @@ impl PlainSamples {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::estimate::interval::{BinomialInterval, IntervalKind};
 
     #[test]
     fn the_choice_has_its_share_and_is_independent_of_the_range() {
@@ -103,7 +112,7 @@ mod tests {
         assert!(choose(7, 3, 0..5000, 1.0).iter().all(|&chosen| chosen));
     }
 
-    /// Of 300 samples, the first number of unstable ones beyond the bounds at 1e-6, by sums of binomial probabilities.
+    /// Of 300 samples, the first number of unstable ones beyond the bounds, by sums of binomial probabilities.
     #[test]
     #[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
     fn counts_contradict_bounds_that_make_them_improbable() {
@@ -117,7 +126,7 @@ mod tests {
                 let below: f64 = (0..=unstable).map(|k| mass(n, k, bounds[0])).sum();
                 let above: f64 = (unstable..=n).map(|k| mass(n, k, bounds[1])).sum();
                 let samples = PlainSamples { decided: n.into(), unstable: unstable.into() };
-                let expected = below < CONTRADICTION || above < CONTRADICTION;
+                let expected = below < TAIL || above < TAIL;
                 assert_eq!(samples.contradict(bounds), expected, "{unstable} of {n}: {bounds:?} {below} {above}");
             }
         }
@@ -127,6 +136,18 @@ mod tests {
             let missed = PlainSamples { decided: 1000, unstable }.largest_missed([bound; 2], 0.95);
             assert!((missed - 2.991e-3).abs() < 1e-6, "{missed}");
         }
+    }
+
+    #[test]
+    fn a_right_estimate_that_misses_by_chance_is_not_contradicted() {
+        // A twentieth is unstable, of which 1000 samples found 32: 2.6 standard errors below, beyond the interval of 95 %.
+        let interval =
+            |confidence: f64| BinomialInterval::new(IntervalKind::ClopperPearson, confidence).bounds(32, 1000);
+        let plain = PlainSamples { decided: 100_000, unstable: 5000 };
+        let contradicted = |confidence: f64| plain.contradict(interval(confidence).into());
+        assert_eq!([contradicted(0.95), contradicted(COMPARED)], [true, false]);
+        // Twice as many are no chance.
+        assert!(PlainSamples { decided: 100_000, unstable: 10_000 }.contradict(interval(COMPARED).into()));
     }
 
     #[test]

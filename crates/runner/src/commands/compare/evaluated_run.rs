@@ -1,7 +1,7 @@
 //! A finished run whose samples are evaluated again.
 
 use indicatif::HumanCount;
-use stickslip_sampler::estimate::audit::PlainSamples;
+use stickslip_sampler::estimate::audit::{COMPARED, PlainSamples};
 use stickslip_sampler::estimate::interval::{BinomialInterval, Estimate, IntervalKind};
 
 use super::run::Run;
@@ -81,11 +81,10 @@ impl<'a> EvaluatedRun<'a> {
 
     /// Whether the plain samples of a cell contradict its probability, as its surface has it.
     pub fn is_contradicted(&self, cell: u64) -> bool {
-        let job = &self.run.job;
-        if job.plain_samples() == 0 {
+        if self.run.job.plain_samples() == 0 {
             return false;
         }
-        let Estimate { low, high, .. } = self.without_plain_samples(cell, job.confidence(false));
+        let Estimate { low, high, .. } = self.without_plain_samples(cell, COMPARED);
         PlainSamples::from(self.audits.counts(cell)).contradict([low, high])
     }
 
