@@ -10,6 +10,8 @@ pub mod fixed_point;
 
 pub mod conditional;
 
+pub mod groups;
+
 pub mod weighted;
 
 pub mod audit;

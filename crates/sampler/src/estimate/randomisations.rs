@@ -102,7 +102,7 @@ pub(super) fn student(shares: &[f64], confidence: f64) -> (f64, f64) {
     let mean = shares.iter().sum::<f64>() / count as f64;
     let squares: f64 = shares.iter().map(|share| (share - mean) * (share - mean)).sum();
     let error = (squares / (count - 1) as f64 / count as f64).sqrt();
-    (mean, student_quantile(confidence, count as u32 - 1) * error)
+    (mean, student_quantile(confidence, (count - 1) as f64) * error)
 }
 
 #[cfg(test)]

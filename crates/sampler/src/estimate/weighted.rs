@@ -6,9 +6,10 @@
 
 use crate::estimate::conditional::{around, binomial, effective_number};
 use crate::estimate::fixed_point::{add_words, can_be_sum, number};
+use crate::estimate::groups::{half_width, significance};
 use crate::estimate::interval::Estimate;
 use crate::estimate::randomisations::student;
-use crate::special_functions::{beta, normal};
+use crate::special_functions::normal;
 
 /// The largest weight, which sums are scaled by.
 pub const MOST_WEIGHT: f64 = 8.0;
@@ -37,9 +38,7 @@ const FEW: f64 = 300.0;
 /// variance is not known then.
 const LEAST_DECISIVE: f64 = 20.0;
 
-/// The significance at which the groups of randomisations differ so much that the interval comes from these, and that at
-/// which the estimate is not trusted.
-const DOUBT: f64 = 0.05;
+/// The significance at which the groups of randomisations differ so much that the estimate is not trusted.
 const DISAGREEMENT: f64 = 1e-4;
 
 /// The share of unstable samples from which on the samples that populations tried at first count.
@@ -272,13 +271,12 @@ pub struct WeightedEstimate {
     pub distrust: Option<Distrust>,
 }
 
-/// The mean of weighted samples, with Student's interval from the scatter of the randomisations, as that of
-/// [conditional probabilities](super::conditional).
+/// The mean of weighted samples, with Student's interval from the scatter of the randomisations, within and between
+/// [groups](super::groups), at its higher end by the logarithm where that is wider.
 ///
 /// Randomisation `r` belongs to group `r` modulo `groups`. The samples of each group were placed independently. If the
-/// scatter between the groups is larger than that within them (analysis of variance, 5 %), the interval comes from the
-/// means of the groups. With a significance of 1e-4 the estimate is not trusted, as some have missed a region. Nor is it
-/// with an effective number of samples below 100, or below 300 if fewer than 20 of them have most of the variance.
+/// groups differ with a significance of 1e-4 (analysis of variance), the estimate is not trusted, as some have missed a
+/// region. Nor is it with an effective number of samples below 100, or below 300 if fewer than 20 of them have most of the variance.
 ///
 /// Where instability is frequent, parts are of stability, and 1 less the probability has as many digits. Samples without a
 /// verdict count as stable for the low end and as unstable for the high one. A probability below some
@@ -325,16 +323,12 @@ fn estimate_of_samples(parts: &[WeightedPart], groups: usize, confidence: f64) -
     } else {
         0.0
     };
-    let half_width = |shares: &[f64]| {
-        let (_, of_all) = student(shares, confidence);
-        let of_groups = if between < DOUBT { student(&means(shares, groups), confidence).1 } else { 0.0 };
-        of_all.max(of_groups).max(independent)
-    };
+    let reach = |shares: &[f64]| half_width(shares, groups, confidence).max(independent);
     let (mean, with_failed) = (total / samples, (total + without) / samples);
     let highest: Vec<f64> =
         parts.iter().map(|part| (part.contributions + part.without_verdict) / part.samples).collect();
-    let low = below(mean.min(1.0), half_width(&shares));
-    let high = around(with_failed.min(1.0), half_width(&highest)).1;
+    let low = below(mean.min(1.0), reach(&shares));
+    let high = around(with_failed.min(1.0), reach(&highest)).1;
     let estimate = Estimate { probability: Some(mean.min(1.0)), low: low.max(0.0), high: high.min(1.0) };
     WeightedEstimate { estimate, mean, effective, evaluations, distrust }
 }
@@ -428,37 +422,6 @@ fn of_lognormal(values: &[f64], confidence: f64) -> (f64, f64) {
 /// The low end at a distance from a probability; of a small one the complement would have no digits.
 fn below(mean: f64, half_width: f64) -> f64 {
     if mean < 0.5 { mean - half_width } else { around(mean.min(1.0), half_width).0 }
-}
-
-/// The means of the groups of randomisations.
-fn means(shares: &[f64], groups: usize) -> Vec<f64> {
-    let mean = |group: usize| {
-        let own: Vec<f64> = shares.iter().skip(group).step_by(groups).copied().collect();
-        own.iter().sum::<f64>() / own.len() as f64
-    };
-    (0..groups).map(mean).collect()
-}
-
-/// The probability that the groups of equal ones differ as much, by analysis of variance; 1 with one group.
-fn significance(shares: &[f64], groups: usize) -> f64 {
-    let (count, within_degrees) = (shares.len() as f64, shares.len() as f64 - groups as f64);
-    if groups < 2 || within_degrees < 1.0 {
-        return 1.0;
-    }
-    let all = shares.iter().sum::<f64>() / count;
-    let means = means(shares, groups);
-    let (mut between, mut within) = (0.0, 0.0);
-    for (i, share) in shares.iter().enumerate() {
-        let mean = means[i % groups];
-        between += (mean - all) * (mean - all);
-        within += (share - mean) * (share - mean);
-    }
-    if between + within <= 0.0 {
-        return 1.0;
-    }
-    // The share of the groups in the sum of squares has a beta distribution.
-    let (a, b) = (0.5 * (groups as f64 - 1.0), 0.5 * within_degrees);
-    beta::upper_tail(a, b, between / (between + within))
 }
 
 #[cfg(test)]

@@ -104,12 +104,11 @@ pub(crate) fn upper_quantile(a: f64, b: f64, q: f64) -> f64 {
 }
 
 /// The two-sided quantile `t` of Student's distribution, `P(|T| <= t) = confidence`, for `confidence` in [0, 1) and at
-/// least one degree of freedom.
+/// least one degree of freedom, of which the number need not be whole.
 ///
 /// `P(|T| > t) = I_x(f/2, 1/2)` with `x = f / (f + t^2)` (Abramowitz and Stegun, 26.7.1).
 #[must_use]
-pub(crate) fn student_quantile(confidence: f64, degrees_of_freedom: u32) -> f64 {
-    let freedom = f64::from(degrees_of_freedom);
+pub(crate) fn student_quantile(confidence: f64, freedom: f64) -> f64 {
     // With x / y = f / t^2; the smaller of the two probabilities is inverted.
     if confidence >= 0.5 {
         (freedom / lower_odds(0.5 * freedom, 0.5, 1.0 - confidence)).sqrt()

@@ -165,13 +165,13 @@ fn students_quantiles_agree_with_closed_forms_and_high_precision() {
         // The closed forms themselves lose digits next to 1.
         let limit = 1e-14 + 1e-15 / (1.0 - confidence);
         let cauchy = (std::f64::consts::FRAC_PI_2 * confidence).tan();
-        assert!((student_quantile(confidence, 1) / cauchy - 1.0).abs() < limit, "{confidence}");
+        assert!((student_quantile(confidence, 1.0) / cauchy - 1.0).abs() < limit, "{confidence}");
         let two = confidence * (2.0 / (1.0 - confidence * confidence)).sqrt();
-        assert!((student_quantile(confidence, 2) / two - 1.0).abs() < limit, "{confidence}");
+        assert!((student_quantile(confidence, 2.0) / two - 1.0).abs() < limit, "{confidence}");
     }
     // mpmath 1.4 with 30 digits: the density integrated and inverted by Newton's iteration.
     for (confidence, freedom, t) in [
-        (0.1, 1, 0.158_384_440_324_536_3),
+        (0.1, 1_u32, 0.158_384_440_324_536_3),
         (0.95, 1, 12.706_204_736_174_694),
         (0.99, 1, 63.656_741_162_871_526),
         (0.1, 3, 0.136_598_199_353_698_9),
@@ -193,8 +193,17 @@ fn students_quantiles_agree_with_closed_forms_and_high_precision() {
         (0.95, 4_000_000_000, 1.959_963_985_133_121_6),
         (0.99, 4_000_000_000, 2.575_829_304_778_037),
     ] {
-        let value = student_quantile(confidence, freedom);
+        let value = student_quantile(confidence, f64::from(freedom));
         assert!((value / t - 1.0).abs() < 3e-15, "{confidence} {freedom}: {value}");
+    }
+    // SciPy 1.17: t.ppf, with numbers of degrees of freedom that are not whole.
+    for (confidence, freedom, t) in [
+        (0.95, 3.7, 2.867_520_707_191_189_5),
+        (0.999, 2.5, 18.277_893_528_131_457),
+        (1.0 - 5e-7, 7.5, 15.797_068_326_926_373),
+    ] {
+        let value = student_quantile(confidence, freedom);
+        assert!((value / t - 1.0).abs() < 1e-9, "{confidence} {freedom}: {value}");
     }
 }
 
