@@ -15,6 +15,7 @@ use stickslip_core::model::pair_boundary::PairBoundary;
 use stickslip_core::model::verdict::{Verdict, VerdictCounts};
 use stickslip_core::models::pad_on_disc::parameters::Parameters;
 use stickslip_core::models::pad_on_disc::rigid_disc::pad_on_disc::PadOnDisc;
+use stickslip_sampler::draw::beyond;
 use stickslip_sampler::draw::deviates::{DeviateStream, Points};
 use stickslip_sampler::estimate::conditional::{ConditionalPart, ProbabilitySums};
 use stickslip_sampler::estimate::difference::PairedCounts;
@@ -375,8 +376,16 @@ fn print_conditional(method: &str, inputs: usize, p: f64, points: u64, seeds: u6
         let stream = DeviateStream { seed, common_random_numbers: false, dimensions: inputs, points: Points::Sobol };
         let part = |randomisation: u64| {
             let mut sums = ProbabilitySums::default();
-            stream.draw(0, randomisation, 0..points).chunks_exact(inputs).for_each(|z| sums.add(given(z)));
-            ConditionalPart::from_sums(points, 0, &sums.sums().map(i128::from))
+            for z in stream.draw(0, randomisation, 0..points).chunks_exact(inputs) {
+                sums.add(beyond::weight(z), Some(given(z)));
+            }
+            let far = stream.draw(0, beyond::RANDOMISATIONS + randomisation, 0..points.div_ceil(beyond::EACH));
+            for z in far.chunks_exact(inputs) {
+                let mut point = z.to_vec();
+                let weight = beyond::move_out(&mut point);
+                sums.add(weight, Some(given(&point)));
+            }
+            ConditionalPart::from_sums(&sums.sums().map(i128::from))
         };
         let estimate = conditional::estimate(&(0..16).map(part).collect::<Vec<_>>(), 0.95);
         estimate.low <= p && p <= estimate.high

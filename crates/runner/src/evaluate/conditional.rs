@@ -7,6 +7,7 @@ use std::ops::Range;
 use stickslip_core::model::critical_values::NoMemory;
 use stickslip_core::model::verdict::Verdict;
 use stickslip_core::model::{Configuration, ModelError};
+use stickslip_sampler::draw::beyond::{self, EACH, RANDOMISATIONS};
 use stickslip_sampler::grid::Cell;
 use stickslip_sampler::inputs::{Correlation, InputDistribution};
 use stickslip_sampler::integrate::one_input;
@@ -68,8 +69,9 @@ impl Conditional {
     }
 
     /// Evaluates samples of a randomisation of a cell, and hands each to `add`: its verdict, unstable where its
-    /// probability is above one half, and that probability. A sample with a value that is not admissible fails, and one whose
-    /// critical values leave too much open is undecided. False if it is stopped before.
+    /// probability is above one half, its weight, and that probability. A sample with a value that is not admissible fails, and
+    /// one whose critical values leave too much open is undecided. Those that are drawn [beyond] follow, without a verdict: they
+    /// are no samples. False if it is stopped before.
     pub fn evaluate(
         &self,
         job: &Job,
@@ -77,16 +79,46 @@ impl Conditional {
         randomisation: usize,
         samples: Range<u64>,
         is_stopped: IsStopped<'_>,
-        add: &mut dyn FnMut(Verdict, f64),
+        add: &mut dyn FnMut(Option<Verdict>, f64, Option<f64>),
     ) -> bool {
         let Ok(of_cell) = ConditionalCell::new(self, job, cell) else {
-            samples.for_each(|_| add(Verdict::Failed, 0.0));
+            samples.for_each(|_| add(Some(Verdict::Failed), 1.0, None));
             return true;
         };
+        let (inputs, randomisation) = (self.others.len(), randomisation as u64);
+        let mut decide = |sample: &mut [f64]| {
+            let weight = beyond::weight(&sample[..inputs]);
+            match of_cell.probability(sample) {
+                Ok(probability) if probability > HALF => add(Some(Verdict::Unstable), weight, Some(probability)),
+                Ok(probability) => add(Some(Verdict::Stable), weight, Some(probability)),
+                Err(verdict) => add(Some(verdict), weight, None),
+            }
+        };
+        if !self.each(job, (cell.index, randomisation), samples.clone(), is_stopped, &mut decide) {
+            return false;
+        }
+        let mut decide_beyond = |sample: &mut [f64]| {
+            let weight = beyond::move_out(&mut sample[..inputs]);
+            add(None, weight, of_cell.probability(sample).ok());
+        };
+        // Each follows the sample that has `EACH` times its number.
+        let far = samples.start.div_ceil(EACH)..samples.end.div_ceil(EACH);
+        self.each(job, (cell.index, RANDOMISATIONS + randomisation), far, is_stopped, &mut decide_beyond)
+    }
+
+    /// Hands the independent deviates of samples of a randomisation to `visit`, followed by zeros for what is integrated over, of
+    /// which only the law is asked for. False if it is stopped before.
+    fn each(
+        &self,
+        job: &Job,
+        (cell, randomisation): (u64, u64),
+        samples: Range<u64>,
+        is_stopped: IsStopped<'_>,
+        visit: &mut dyn FnMut(&mut [f64]),
+    ) -> bool {
         let stream = job.deviates(self.others.len(), job.points());
-        let mut deviates = stream.start(cell.index, randomisation as u64, samples.start);
+        let mut deviates = stream.start(cell, randomisation, samples.start);
         let mut columns = vec![Vec::new(); self.others.len()];
-        // Zeros stand for what is integrated over, of which only the law is asked for.
         let mut sample = vec![0.0; self.correlation.inputs()];
         let mut first = samples.start;
         while first < samples.end {
@@ -96,14 +128,9 @@ impl Conditional {
             let count = AT_ONCE.min(samples.end - first);
             deviates.fill(count as usize, &mut columns);
             for i in 0..count as usize {
-                for (deviate, column) in sample.iter_mut().zip(&columns) {
-                    *deviate = column[i];
-                }
-                match of_cell.probability(&mut sample) {
-                    Ok(probability) if probability > HALF => add(Verdict::Unstable, probability),
-                    Ok(probability) => add(Verdict::Stable, probability),
-                    Err(verdict) => add(verdict, 0.0),
-                }
+                sample.fill(0.0);
+                sample.iter_mut().zip(&columns).for_each(|(deviate, column)| *deviate = column[i]);
+                visit(&mut sample);
             }
             first += count;
         }
@@ -162,7 +189,6 @@ impl<'a> ConditionalCell<'a> {
                 found.value
             }
         };
-        deviates[others.len()..].fill(0.0);
         Ok(probability)
     }
 }

@@ -143,9 +143,9 @@ impl<'a> Evaluator<'a> {
         }
         if let Some(conditional) = &self.conditional {
             let mut sums = ProbabilitySums::default();
-            let mut add = |verdict: Verdict, probability: f64| {
-                unit.counts += verdict.into();
-                sums.add(probability);
+            let mut add = |verdict: Option<Verdict>, weight: f64, probability: Option<f64>| {
+                verdict.into_iter().for_each(|verdict| unit.counts += verdict.into());
+                sums.add(weight, probability);
             };
             let is_done = conditional.evaluate(self.job, &cell, place, samples, is_stopped, &mut add);
             self.layout.add_probabilities(&mut unit.sums, &sums);

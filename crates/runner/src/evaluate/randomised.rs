@@ -31,7 +31,7 @@ pub struct CountedPart {
 pub fn estimate(job: &Job, parts: &[CountedPart], confidence: f64) -> Estimate {
     if job.answer() == Answer::Probability {
         let layout = SumLayout::for_job(job);
-        let of = |part: &CountedPart| layout.read_probabilities(&part.sums, &part.counts);
+        let of = |part: &CountedPart| layout.read_probabilities(&part.sums);
         let found = conditional::estimate(&parts.iter().map(of).collect::<Vec<ConditionalPart>>(), confidence);
         let all = parts.iter().fold(VerdictCounts::default(), |sum, part| sum + part.counts);
         // Those that are open may have any probability, and so may their share of the mean.

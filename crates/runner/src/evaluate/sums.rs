@@ -190,11 +190,7 @@ impl SumLayout {
                 let sums: Vec<i128> = sums.iter().map(|&sum| sum.into()).collect();
                 self.index_counts(&sums, input).is_some_and(|(counts, left_out)| counts.can_be(samples - left_out))
             })
-            && (!self.probabilities
-                || ProbabilitySums::can_be(
-                    of(self.probabilities_at(), self.weights_at()),
-                    samples - counts.without_verdict(),
-                ))
+            && (!self.probabilities || ProbabilitySums::can_be(of(self.probabilities_at(), self.weights_at()), samples))
             && (!self.weights || WeightedSums::can_be(&sums[self.weights_at()..], samples, self.populations))
     }
 
@@ -294,9 +290,8 @@ impl SumLayout {
     }
 
     /// The probabilities of the samples of a part.
-    pub fn read_probabilities(self, sums: &[i128], counts: &VerdictCounts) -> ConditionalPart {
-        let sums = sums.get(self.probabilities_at()..).unwrap_or_default();
-        ConditionalPart::from_sums(counts.total(), counts.without_verdict(), sums)
+    pub fn read_probabilities(self, sums: &[i128]) -> ConditionalPart {
+        ConditionalPart::from_sums(sums.get(self.probabilities_at()..).unwrap_or_default())
     }
 
     /// Adds samples with weights.

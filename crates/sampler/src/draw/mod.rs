@@ -5,3 +5,5 @@ pub mod identity;
 pub(crate) mod sobol;
 
 pub mod deviates;
+
+pub mod beyond;

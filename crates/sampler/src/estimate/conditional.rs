@@ -1,11 +1,14 @@
 //! The estimate from conditional probabilities at randomised Sobol points.
 //!
 //! Every point stands for all inputs but the two that are integrated over, and has the probability that a sample is
-//! unstable given these ([`integrate::pair`](crate::integrate::pair)). Their mean is the probability of instability.
+//! unstable given these ([`integrate::pair`](crate::integrate::pair)). Their mean is the probability of instability. Some points
+//! lie [beyond](crate::draw::beyond) those of the distribution of the inputs, so that all points have weights `a` of at most 1,
+//! and the mean is `sum a p / sum a`.
 //!
-//! Conditional probabilities and their squares are added as [whole numbers](super::fixed_point), so that a sum has the
+//! Probabilities with their weights, and their squares are added as [whole numbers](super::fixed_point), so that a sum has the
 //! same bits in any order.
 
+use crate::draw::beyond::EACH;
 use crate::estimate::fixed_point::{add_words, can_be_sum, number, number_of_unit};
 use crate::estimate::interval::{Estimate, MOST_WILSON_CONFIDENCE};
 use crate::estimate::randomisations::student;
@@ -33,19 +36,27 @@ const ALIKE: f64 = 1e-6;
 /// The largest number of trials of which binomial tails are computed.
 const MOST_TRIALS: f64 = 1e10;
 
-/// The sums of conditional probabilities and of their squares, as words.
+/// Sums of points with a probability: of what they count for instability, of its squares, the same for stability, of the products
+/// of both, and of the weights of points without a probability.
+const SUMS: usize = 6;
+
+/// The sums of conditional probabilities with their weights, as words.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct ProbabilitySums([i64; ProbabilitySums::COUNT]);
 
 impl ProbabilitySums {
-    /// The number of sums.
-    pub const COUNT: usize = 2 * WORDS;
+    /// The number of words.
+    pub const COUNT: usize = SUMS * WORDS;
 
-    /// Adds a probability, and its square.
-    pub fn add(&mut self, probability: f64) {
-        let (first, second) = self.0.split_at_mut(WORDS);
-        add_words(first, probability);
-        add_words(second, probability * probability);
+    /// Adds a point of a weight of at most 1: its probability, `None` if there is no model with it.
+    pub fn add(&mut self, weight: f64, probability: Option<f64>) {
+        let unstable = weight * probability.unwrap_or(0.0);
+        let stable = if probability.is_some() { (weight - unstable).max(0.0) } else { 0.0 };
+        let failed = if probability.is_some() { 0.0 } else { weight };
+        let added: [f64; SUMS] = [unstable, unstable * unstable, stable, stable * stable, unstable * stable, failed];
+        for (words, number) in self.0.chunks_exact_mut(WORDS).zip(added) {
+            add_words(words, number);
+        }
     }
 
     /// The sums of the words.
@@ -54,33 +65,56 @@ impl ProbabilitySums {
         self.0
     }
 
-    /// Whether these can be the sums of so many samples, whose probabilities are at most 1.
+    /// Whether these can be the sums of so many samples, with the points [beyond](crate::draw::beyond) that belong to them.
     #[must_use]
-    pub fn can_be(sums: &[i64], decided: u64) -> bool {
-        let Some((probabilities, squares)) = sums.split_at_checked(WORDS) else { return false };
-        can_be_sum(probabilities, decided as f64) && can_be_sum(squares, number_of_unit(probabilities))
+    pub fn can_be(sums: &[i64], samples: u64) -> bool {
+        if sums.len() < Self::COUNT {
+            return false;
+        }
+        let of = |sum: usize| &sums[sum * WORDS..][..WORDS];
+        let [unstable, stable, failed] = [0, 2, 5].map(|sum| number_of_unit(of(sum)));
+        let points = samples as f64 + samples.div_ceil(EACH) as f64;
+        let most = [points - stable - failed, unstable, points, stable, unstable.min(stable), points];
+        most.into_iter().enumerate().all(|(sum, most)| can_be_sum(of(sum), most))
     }
 }
 
 /// What is known of the points of one randomisation.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct ConditionalPart {
-    /// Points.
-    pub points: u64,
+    /// Points, by their weights.
+    pub points: f64,
     /// Those of them with which there is no model.
-    pub failed: u64,
-    /// The sum of the probabilities of the others.
-    pub probabilities: f64,
-    /// The sum of their squares.
-    pub squares: f64,
+    pub failed: f64,
+    /// The sum of what the others count for instability, weight times probability, and that of its squares.
+    pub unstable: [f64; 2],
+    /// The same for stability.
+    pub stable: [f64; 2],
+    /// The sum of the products of both.
+    pub products: f64,
 }
 
 impl ConditionalPart {
     /// From the sums of [`ProbabilitySums`]; zero from none.
     #[must_use]
-    pub fn from_sums(points: u64, failed: u64, sums: &[i128]) -> Self {
-        let of = |from: usize| sums.get(from..from + WORDS).map_or(0.0, number);
-        Self { points, failed, probabilities: of(0), squares: of(WORDS) }
+    pub fn from_sums(sums: &[i128]) -> Self {
+        let of = |sum: usize| sums.get(sum * WORDS..(sum + 1) * WORDS).map_or(0.0, number);
+        let (unstable, stable, failed) = ([of(0), of(1)], [of(2), of(3)], of(5));
+        Self { points: unstable[0] + stable[0] + failed, failed, unstable, stable, products: of(4) }
+    }
+
+    /// Points that count 1 each: so many, those of them with which there is no model, the sum of the probabilities of the others
+    /// and that of their squares.
+    #[must_use]
+    pub fn unweighted(points: u64, failed: u64, probabilities: f64, squares: f64) -> Self {
+        let decided = points as f64 - failed as f64;
+        Self {
+            points: points as f64,
+            failed: failed as f64,
+            unstable: [probabilities, squares],
+            stable: [decided - probabilities, decided - 2.0 * probabilities + squares],
+            products: probabilities - squares,
+        }
     }
 }
 
@@ -101,45 +135,48 @@ impl ConditionalPart {
 /// * Below 20 it includes Clopper and Pearson's for as many independent samples: of all variables between 0 and 1 with the
 ///   same mean, verdicts scatter most.
 ///
-/// **Points that are all alike** say nothing of a region that none of them met. The interval then allows for a region of other
-/// probabilities, as large as Clopper and Pearson's for no success in as many points.
+/// **Points that are all alike**, those beyond too, say nothing of a region that none of them met. The interval then allows for a
+/// region of other probabilities, as large as Clopper and Pearson's for no success in as many points.
 ///
 /// ```
 /// use stickslip_sampler::estimate::conditional::{ConditionalPart, estimate};
-/// let part = |p: f64| ConditionalPart { points: 1000, failed: 0, probabilities: 1000.0 * p, squares: 1000.0 * p * p };
+/// let part = |p: f64| ConditionalPart::unweighted(1000, 0, 1000.0 * p, 1000.0 * p * p);
 /// let estimate = estimate(&[part(1.0e-6), part(1.2e-6), part(1.1e-6)], 0.95);
 /// assert!((estimate.probability.unwrap() - 1.1e-6).abs() < 1e-20);
 /// assert!(estimate.low > 0.8e-6 && estimate.high < 1.4e-6);
 /// ```
 #[must_use]
 pub fn estimate(parts: &[ConditionalPart], confidence: f64) -> Estimate {
-    let parts: Vec<&ConditionalPart> = parts.iter().filter(|part| part.points > 0).collect();
+    let parts: Vec<&ConditionalPart> = parts.iter().filter(|part| part.points > 0.0).collect();
     let sum = |of: fn(&ConditionalPart) -> f64| parts.iter().map(|part| of(part)).sum::<f64>();
-    let points = sum(|part| part.points as f64);
-    let failed = sum(|part| part.failed as f64);
-    let (unstable, squares) = (sum(|part| part.probabilities), sum(|part| part.squares));
-    let decided = points - failed;
+    let (points, failed) = (sum(|part| part.points), sum(|part| part.failed));
+    let (unstable, stable) = (sum(|part| part.unstable[0]), sum(|part| part.stable[0]));
+    let squares = [sum(|part| part.unstable[1]), sum(|part| part.stable[1])];
+    let products = sum(|part| part.products);
+    // The sum of squares of what all points differ by from their weights times a mean.
+    let scatter = |mean: f64| {
+        let rest = 1.0 - mean;
+        rest * rest * squares[0] - 2.0 * mean * rest * products + mean * mean * squares[1]
+    };
+    let decided = unstable + stable;
     let probability = (decided > 0.0).then(|| (unstable / decided).min(1.0));
     let binomial = binomial(unstable, unstable + failed, points, confidence);
     if parts.len() < 2 {
         return Estimate { probability, low: binomial.0, high: binomial.1 };
     }
-    let sides = [
-        effective_number(unstable, squares),
-        // The squares of 1 - p.
-        effective_number(decided - unstable, decided - 2.0 * unstable + squares),
-    ];
+    let sides = [effective_number(unstable, squares[0]), effective_number(stable, squares[1])];
     let matter = sides[0].min(sides[1]);
     let is_rare = matter < RARE[usize::from(confidence > MOST_WILSON_CONFIDENCE)];
     let independent = if matter < FEW {
-        let variance = (squares / points - (unstable / points) * (unstable / points)).max(0.0);
-        normal::upper_quantile(0.5 * (1.0 - confidence)) * (variance / points).sqrt()
+        let mean = unstable / points;
+        let variance = (scatter(mean) + mean * mean * failed).max(0.0);
+        normal::upper_quantile(0.5 * (1.0 - confidence)) * variance.sqrt() / points
     } else {
         0.0
     };
     let interval = |with_failed: bool| {
-        let failed = |part: &ConditionalPart| if with_failed { part.failed as f64 } else { 0.0 };
-        let shares = parts.iter().map(|part| (part.probabilities + failed(part)) / part.points as f64);
+        let failed = |part: &ConditionalPart| if with_failed { part.failed } else { 0.0 };
+        let shares = parts.iter().map(|part| (part.unstable[0] + failed(part)) / part.points);
         let (mean, half_width) = student(&shares.collect::<Vec<_>>(), confidence);
         let half_width = half_width.max(independent);
         if is_rare { (mean - half_width, mean + half_width) } else { around(mean.min(1.0), half_width) }
@@ -152,14 +189,14 @@ pub fn estimate(parts: &[ConditionalPart], confidence: f64) -> Estimate {
             let (from, to) = scaled_binomial(unstable, sides[0], points, confidence);
             (from, to + failed / points)
         } else {
-            let (from, to) = scaled_binomial(decided - unstable, sides[1], points, confidence);
+            let (from, to) = scaled_binomial(stable, sides[1], points, confidence);
             (1.0 - to - failed / points, 1.0 - from)
         };
         low = low.min(from);
         high = high.max(to);
     }
     let mean = unstable / decided;
-    if squares / decided - mean * mean <= (ALIKE * mean) * (ALIKE * mean) {
+    if scatter(mean) <= (ALIKE * mean) * (ALIKE * mean) * decided {
         let (_, unmet) = self::binomial(0.0, 0.0, points, confidence);
         low = low.min(mean * (1.0 - unmet));
         high = high.max(mean + unmet * (1.0 - mean));

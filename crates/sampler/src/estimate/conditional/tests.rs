@@ -14,28 +14,31 @@ fn totals(sums: &ProbabilitySums) -> Vec<i128> {
 
 fn part(probabilities: &[f64], failed: u64) -> ConditionalPart {
     let mut sums = ProbabilitySums::default();
-    probabilities.iter().for_each(|&p| sums.add(p));
-    ConditionalPart::from_sums(probabilities.len() as u64 + failed, failed, &totals(&sums))
+    probabilities.iter().for_each(|&p| sums.add(1.0, Some(p)));
+    (0..failed).for_each(|_| sums.add(1.0, None));
+    ConditionalPart::from_sums(&totals(&sums))
 }
 
 #[test]
 fn probabilities_keep_their_digits() {
     for p in [1.0, 0.5, 0.1, 1.0 - f64::EPSILON, 1e-3, 1e-9, 1e-12, 0.0] {
         let one = part(&[p], 0);
-        assert_eq!(one.probabilities, p);
-        assert!((one.squares - p * p).abs() <= 1e-12 * p * p, "{p}: {}", one.squares);
+        assert_eq!((one.unstable[0], one.points, one.failed), (p, 1.0, 0.0));
+        assert!((one.unstable[1] - p * p).abs() <= 1e-12 * p * p, "{p}: {:?}", one.unstable);
+        assert!((one.stable[1] - (1.0 - p) * (1.0 - p)).abs() <= 1e-12, "{p}: {:?}", one.stable);
+        assert!((one.products - p * (1.0 - p)).abs() <= 1e-12 * p, "{p}: {}", one.products);
         let many = part(&vec![p; 1000], 0);
-        assert!((many.probabilities - 1000.0 * p).abs() <= 2e-13 * p * 1000.0);
+        assert!((many.unstable[0] - 1000.0 * p).abs() <= 2e-13 * p * 1000.0);
     }
     // A sum of 2^32 words of ones does not overflow.
     let word = totals(&part_sums(1.0))[0];
     assert!(word.checked_mul(1 << 32).is_some_and(|sum| sum < i128::from(i64::MAX)));
-    assert!((part(&[1e-30], 0).probabilities / 1e-30 - 1.0).abs() < 1e-5);
+    assert!((part(&[1e-30], 0).unstable[0] / 1e-30 - 1.0).abs() < 1e-5);
 }
 
 fn part_sums(probability: f64) -> ProbabilitySums {
     let mut sums = ProbabilitySums::default();
-    sums.add(probability);
+    sums.add(1.0, Some(probability));
     sums
 }
 
@@ -45,7 +48,7 @@ proptest! {
         let mut probabilities: Vec<f64> = exponents.iter().map(|exponent| exponent.exp()).collect();
         let sum = |probabilities: &[f64]| {
             let mut sums = ProbabilitySums::default();
-            probabilities.iter().for_each(|&p| sums.add(p));
+            probabilities.iter().for_each(|&p| sums.add(1.0, Some(p)));
             sums
         };
         let forwards = sum(&probabilities);
@@ -57,7 +60,7 @@ proptest! {
         probabilities.reverse();
         prop_assert_eq!(sum(&probabilities), forwards);
         let exact: f64 = probabilities.iter().sum();
-        let total = ConditionalPart::from_sums(1, 0, &totals(&forwards)).probabilities;
+        let total = ConditionalPart::from_sums(&totals(&forwards)).unstable[0];
         prop_assert!((total / exact - 1.0).abs() < 1e-13);
     }
 }
@@ -150,7 +153,7 @@ fn intervals_contain_a_probability_in_closed_form() {
 
 /// Parts of 1000 points that all agree, of which so many matter: they are 1, all others 0.
 fn agreeing(matter: f64, failed: u64) -> [ConditionalPart; 16] {
-    [ConditionalPart { points: 1000, failed, probabilities: matter / 16.0, squares: matter / 16.0 }; 16]
+    [ConditionalPart::unweighted(1000, failed, matter / 16.0, matter / 16.0); 16]
 }
 
 #[test]
@@ -158,6 +161,11 @@ fn parts_that_agree_are_no_surer_than_so_many_independent_points() {
     let found = estimate(&agreeing(800.0, 0), 0.95);
     let (mean, half_width) = (0.05, 1.95 * (0.05 * 0.95 / 16_000.0_f64).sqrt());
     assert!(found.low < mean - half_width && found.high > mean + half_width, "{found:?}");
+}
+
+/// Points with the other probability each.
+fn mirrored(part: &ConditionalPart) -> ConditionalPart {
+    ConditionalPart { unstable: part.stable, stable: part.unstable, ..*part }
 }
 
 #[test]
@@ -168,18 +176,9 @@ fn stable_and_unstable_sides_are_mirror_images() {
             let scatter = |i: usize| 1.0 + 0.1 * (i as f64 - 7.5) / 8.0;
             let part = |i: usize| {
                 let count = matter / 16.0 * scatter(i);
-                ConditionalPart {
-                    points: 1000,
-                    failed: 0,
-                    probabilities: count * share,
-                    squares: count * share * share,
-                }
+                ConditionalPart::unweighted(1000, 0, count * share, count * share * share)
             };
             let parts: Vec<ConditionalPart> = (0..16).map(part).collect();
-            let mirrored = |part: &ConditionalPart| {
-                let (sum, squares) = (part.probabilities, part.squares);
-                ConditionalPart { probabilities: 1000.0 - sum, squares: 1000.0 - 2.0 * sum + squares, ..*part }
-            };
             let mirror: Vec<ConditionalPart> = parts.iter().map(mirrored).collect();
             let [found, mirror] = [parts, mirror].map(|parts| estimate(&parts, 0.95));
             assert!((found.low + mirror.high - 1.0).abs() < 1e-9, "{matter} {share}: {found:?} {mirror:?}");
@@ -198,12 +197,7 @@ fn rare_points_that_failed_widen_either_side_by_their_share() {
         let [low, high] = widened(agreeing(matter, 0), agreeing(matter, 10));
         assert!(low.abs() < 1e-12 && (high - 0.01).abs() < 1e-12, "{low} {high}");
         // Where stability is rare.
-        let frequent = |failed: u64| {
-            agreeing(matter, failed).map(|part| {
-                let unstable = (part.points - failed) as f64 - part.probabilities;
-                ConditionalPart { probabilities: unstable, squares: unstable, ..part }
-            })
-        };
+        let frequent = |failed: u64| agreeing(matter, failed).map(|part| mirrored(&part));
         let [low, high] = widened(frequent(0), frequent(10));
         assert!((low - 0.01).abs() < 1e-12 && (0.0..1e-3).contains(&high), "{low} {high}");
     }
@@ -221,7 +215,7 @@ fn any_numbers_have_an_interval() {
         }
     }
     // As of a piece whose sums are not those of its points.
-    let part = |probabilities| ConditionalPart { points: 1000, failed: 0, probabilities, squares: probabilities };
+    let part = |probabilities| ConditionalPart::unweighted(1000, 0, probabilities, probabilities);
     for probabilities in numbers {
         for parts in [vec![part(probabilities)], vec![part(probabilities); 16]] {
             let Estimate { low, high, .. } = estimate(&parts, 0.999);
@@ -234,21 +228,23 @@ fn any_numbers_have_an_interval() {
 fn sums_are_those_of_probabilities() {
     let sums = |probabilities: &[f64]| {
         let mut sums = ProbabilitySums::default();
-        probabilities.iter().for_each(|&probability| sums.add(probability));
+        probabilities.iter().for_each(|&probability| sums.add(1.0, Some(probability)));
+        sums.add(1.0, None);
         sums.sums()
     };
     for probabilities in [&[0.0; 3][..], &[1.0; 3], &[1e-30, 1.0 - 1e-16, 0.3]] {
-        assert!(ProbabilitySums::can_be(&sums(probabilities), 3), "{probabilities:?}");
+        assert!(ProbabilitySums::can_be(&sums(probabilities), 4), "{probabilities:?}");
     }
-    assert!(!ProbabilitySums::can_be(&sums(&[0.5, 0.6]), 1), "a mean above 1");
+    assert!(!ProbabilitySums::can_be(&sums(&[0.5, 0.6]), 1), "three points of one sample and one beyond");
     let sound = sums(&[0.25, 0.5]);
-    for (place, value) in [(0, 1 << 53), (0, -1), (0, i64::MIN), (WORDS, 1 << 53), (WORDS, i64::MAX), (WORDS, -1 << 20)]
-    {
-        let mut forged = sound;
-        forged[place] = value;
-        assert!(!ProbabilitySums::can_be(&forged, 2), "{forged:?}");
+    for place in (0..SUMS).map(|sum| sum * WORDS) {
+        for value in [1 << 53, i64::MAX, i64::MIN, -1 << 20] {
+            let mut forged = sound;
+            forged[place] = value;
+            assert!(!ProbabilitySums::can_be(&forged, 3), "{forged:?}");
+        }
     }
-    assert!(!ProbabilitySums::can_be(&sound[..3], 2));
+    assert!(ProbabilitySums::can_be(&sound, 3) && !ProbabilitySums::can_be(&sound[..3], 3));
 }
 
 /// Points of one probability: the interval reaches as far as a region could that none of them met.
@@ -267,5 +263,54 @@ fn points_that_are_all_alike_leave_room_for_what_none_met() {
         other[3] = part(&[&[p; 624][..], &[0.5 * p]].concat(), 0);
         let scattered = estimate(&other, 0.95);
         assert!((p - 0.3).abs() > 0.1 || scattered.high < high, "{p}: {scattered:?}");
+    }
+}
+
+/// Points of one probability have it as their mean, whatever their weights; and weights that differ are no scatter.
+#[test]
+fn weights_change_no_probability_that_all_points_have() {
+    let part = |shift: usize| {
+        let mut sums = ProbabilitySums::default();
+        (0..625).for_each(|i| sums.add(1.0 / ((i + shift) % 7 + 1) as f64, Some(0.3)));
+        ConditionalPart::from_sums(&totals(&sums))
+    };
+    let found = estimate(&(0..16).map(part).collect::<Vec<_>>(), 0.95);
+    let points: f64 = (0..16).map(|shift| part(shift).points).sum();
+    let unmet = 1.0 - 0.025_f64.powf(1.0 / points);
+    assert!((found.probability.unwrap() - 0.3).abs() < 1e-12, "{found:?}");
+    assert!((found.high - 0.3 - 0.7 * unmet).abs() < 1e-9 && (found.low - 0.3 + 0.3 * unmet).abs() < 1e-9, "{found:?}");
+    // A point without a model has its weight.
+    let mut sums = ProbabilitySums::default();
+    sums.add(0.5, Some(0.25));
+    sums.add(0.125, None);
+    let ConditionalPart { points, failed, unstable, stable, products } = ConditionalPart::from_sums(&totals(&sums));
+    assert_eq!((points, failed, products), (0.625, 0.125, 0.125 * 0.375));
+    assert_eq!((unstable, stable), ([0.125, 0.015_625], [0.375, 0.140_625]));
+}
+
+/// A second region five standard deviations out, which has a third of the probability and which one of eight million points with
+/// the distribution of the inputs meets.
+#[test]
+fn a_region_beyond_all_points_of_the_inputs_is_in_the_estimate() {
+    use crate::draw::beyond::{self, RANDOMISATIONS};
+    let given = |z: f64| 1e-7 * libm::exp(-0.3 * z - 0.045) + if z < -5.15 { 0.4 } else { 0.0 };
+    let truth = 1e-7 + 0.4 * normal::upper_tail(5.15);
+    for seed in 0..20 {
+        let stream = DeviateStream { seed, common_random_numbers: false, dimensions: 1, points: Points::Sobol };
+        let part = |randomisation: u64| {
+            let mut sums = ProbabilitySums::default();
+            for z in stream.draw(0, randomisation, 0..256) {
+                sums.add(beyond::weight(&[z]), Some(given(z)));
+            }
+            for z in stream.draw(0, RANDOMISATIONS + randomisation, 0..64) {
+                let mut point = [z];
+                let weight = beyond::move_out(&mut point);
+                sums.add(weight, Some(given(point[0])));
+            }
+            ConditionalPart::from_sums(&totals(&sums))
+        };
+        let found = estimate(&(0..16).map(part).collect::<Vec<_>>(), 0.95);
+        assert!(found.low <= truth && truth <= found.high && found.high < 2.0 * truth, "seed {seed}: {found:?}");
+        assert!((found.probability.unwrap() / truth - 1.0).abs() < 0.15, "seed {seed}: {found:?}");
     }
 }

@@ -1,0 +1,185 @@
+//! Points beyond: some of the points of a normal distribution are drawn farther out, so that no part of its tails is left out.
+//!
+//! Of independent standard normal deviates `u`, let `Q(u)` be the probability that others are farther from the origin. Beside
+//! every [`EACH`] points with the normal density `phi` there is one beyond. Its direction is that of any other point, and the
+//! logarithm of its `Q` is uniform between those of 0.1 and 1e-15: each power of ten has as many points. So they have the density
+//!
+//! ```text
+//! t(u) = phi(u) / (14 ln(10) Q(u))
+//! ```
+//!
+//! All points together are a sample of the mixture of both. Whichever it was drawn from, a point counts
+//!
+//! ```text
+//! a(u) = phi(u) / (phi(u) + t(u) / 4)
+//! ```
+//!
+//! so that the sum of `a g` over all points, divided by the number of those with the normal density, is the mean of `g` without
+//! bias, and no point counts for more than 1 (the balance heuristic: E. Veach, L. J. Guibas, SIGGRAPH 1995, 419-428). Nine of ten
+//! points with the normal density count 1. A region five standard deviations out, which one of some million points would meet,
+//! gets its share of the points beyond, and each of them counts some 1e-5.
+
+use std::f64::consts::{FRAC_2_SQRT_PI, LN_10};
+
+use crate::special_functions::normal;
+
+/// One point lies beyond for so many others.
+pub const EACH: u64 = 4;
+
+/// Randomisations of points beyond are numbered from here on, so that they are independent of all others.
+pub const RANDOMISATIONS: u64 = 1 << 32;
+
+/// Where points lie beyond: from the largest to the smallest probability of points farther out.
+const FROM: f64 = 0.1;
+const TO: f64 = 1e-15;
+const DECADES: f64 = 14.0;
+
+/// Halvings of a distance: to the last digit.
+const HALVINGS: usize = 60;
+
+/// The share of the largest distance from the origin beyond that of the mean square: 8.3 standard deviations have 1e-15.
+const FARTHEST: f64 = 9.0;
+
+/// What a point of the normal distribution counts.
+#[must_use]
+pub fn weight(point: &[f64]) -> f64 {
+    let farther = farther(square(point), point.len());
+    if (TO..FROM).contains(&farther) { weight_at(farther) } else { 1.0 }
+}
+
+/// Moves a point of the normal distribution beyond, and returns what it counts there.
+///
+/// The farther out of all points that it was, the nearer it comes to the others.
+pub fn move_out(point: &mut [f64]) -> f64 {
+    let square = square(point);
+    let wanted = FROM * libm::exp(-DECADES * LN_10 * farther(square, point.len()));
+    let distance = distance(wanted, point.len());
+    // The origin has no direction: any will do.
+    let (factor, shift) = if square > 0.0 { (distance / square.sqrt(), 0.0) } else { (0.0, 1.0) };
+    point.iter_mut().for_each(|u| *u *= factor);
+    if let Some(first) = point.first_mut() {
+        *first += shift * distance;
+    }
+    weight_at(wanted)
+}
+
+/// What a point counts, by the probability of others farther out.
+fn weight_at(farther: f64) -> f64 {
+    let ratio = EACH as f64 * DECADES * LN_10 * farther;
+    ratio / (1.0 + ratio)
+}
+
+fn square(point: &[f64]) -> f64 {
+    point.iter().map(|u| u * u).sum()
+}
+
+/// The probability that so many standard normal deviates have a larger sum of squares: `Q(n/2, x/2)`, by the recursion over
+/// `n`, in which all terms are positive (Abramowitz and Stegun, 26.4.8).
+fn farther(square: f64, deviates: usize) -> f64 {
+    let half = 0.5 * square;
+    let density = libm::exp(-half);
+    let (mut sum, mut term, mut added) = if deviates.is_multiple_of(2) {
+        (density, density * half, 2)
+    } else {
+        (2.0 * normal::upper_tail(square.sqrt()), density * half.sqrt() * FRAC_2_SQRT_PI, 1)
+    };
+    while added < deviates {
+        sum += term;
+        term *= half / (0.5 * added as f64 + 1.0);
+        added += 2;
+    }
+    sum
+}
+
+/// The distance from the origin beyond which so many deviates lie with a probability.
+fn distance(wanted: f64, deviates: usize) -> f64 {
+    let (mut near, mut far) = (0.0, (deviates as f64).sqrt() + FARTHEST);
+    for _ in 0..HALVINGS {
+        let middle: f64 = 0.5 * (near + far);
+        if farther(middle * middle, deviates) > wanted {
+            near = middle;
+        } else {
+            far = middle;
+        }
+    }
+    0.5 * (near + far)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::draw::deviates::{DeviateStream, Points};
+
+    #[test]
+    fn tails_are_those_of_the_chi_squared_distribution() {
+        // SciPy 1.17: chi2.sf.
+        for (square, deviates, expected) in [
+            (4.0, 1, 0.045_500_263_896_358_38),
+            (4.0, 2, 0.135_335_283_236_612_7),
+            (4.0, 3, 0.261_464_129_949_110_6),
+            (30.0, 4, 4.894_437_128_029_217e-6),
+            (60.0, 9, 1.340_678_048_395_962_5e-9),
+            (100.0, 31, 3.464_370_244_941_618_7e-9),
+        ] {
+            let found = farther(square, deviates);
+            assert!((found / expected - 1.0).abs() < 1e-12, "{square} {deviates}: {found:e}");
+            assert!((distance(expected, deviates) / square.sqrt() - 1.0).abs() < 1e-12, "{square} {deviates}");
+        }
+        assert!([1, 2, 5].iter().all(|deviates| (farther(0.0, *deviates) - 1.0).abs() < 1e-15));
+    }
+
+    #[test]
+    fn points_lie_beyond_with_the_weight_that_others_have_there() {
+        let stream =
+            |dimensions| DeviateStream { seed: 1, common_random_numbers: false, dimensions, points: Points::Sobol };
+        for dimensions in [1, 2, 5, 31] {
+            let mut decades = [0; 15];
+            for point in stream(dimensions).draw(0, RANDOMISATIONS, 0..1024).chunks_exact(dimensions) {
+                let mut moved = point.to_vec();
+                let counts = move_out(&mut moved);
+                let beyond = farther(square(&moved), dimensions);
+                assert!((0.99e-15..0.101).contains(&beyond) && (0.0..=1.0).contains(&counts), "{beyond:e} {counts}");
+                assert!(beyond < 1.01e-15 || beyond > 0.099 || (counts / weight(&moved) - 1.0).abs() < 1e-9);
+                // The direction stays.
+                let along: f64 = point.iter().zip(&moved).map(|(a, b)| a * b).sum();
+                assert!((along / (square(point) * square(&moved)).sqrt() - 1.0).abs() < 1e-9);
+                decades[(-beyond.log10()).floor().clamp(0.0, 14.0) as usize] += 1;
+            }
+            // A fourteenth of 1024 in each.
+            assert!(decades[1..].iter().all(|count| (45..=105).contains(count)), "{dimensions}: {decades:?}");
+        }
+        let mut origin = [0.0; 3];
+        let counts = move_out(&mut origin);
+        assert!(origin[0] > 8.0 && (0.0..1e-12).contains(&counts), "{origin:?} {counts}");
+    }
+
+    /// Of a region that no other point meets, too.
+    #[test]
+    #[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
+    fn means_over_both_kinds_of_points_have_no_bias() {
+        for (dimensions, limit, most) in [(1, 1.0, 0.01), (1, 5.15, 0.03), (2, 4.0, 0.25), (5, 3.5, 0.6)] {
+            let expected = normal::upper_tail(limit);
+            let stream = DeviateStream { seed: 3, common_random_numbers: false, dimensions, points: Points::Sobol };
+            let counted = |point: &[f64], counts: f64| if point[0] > limit { counts } else { 0.0 };
+            let (points, randomisations) = (1024, 64);
+            let (mut sum, mut all) = (0.0, 0.0);
+            for randomisation in 0..randomisations {
+                for point in stream.draw(0, randomisation, 0..points).chunks_exact(dimensions) {
+                    sum += counted(point, weight(point));
+                    all += weight(point);
+                }
+                let beyond = RANDOMISATIONS + randomisation;
+                for point in stream.draw(0, beyond, 0..points / EACH).chunks_exact(dimensions) {
+                    let mut moved = point.to_vec();
+                    let counts = move_out(&mut moved);
+                    sum += counted(&moved, counts);
+                    all += counts;
+                }
+            }
+            let count = (points * randomisations) as f64;
+            assert!((all / count - 1.0).abs() < 2e-3, "{dimensions} {limit}: {all}");
+            let error = sum / count / expected - 1.0;
+            assert!(error.abs() < most, "{dimensions} {limit}: {error}");
+        }
+    }
+}
