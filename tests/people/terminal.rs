@@ -49,7 +49,8 @@ fn each_slice_has_a_line_of_its_own() {
     }
     let worst = found.into_iter().map(|preload| preload.unwrap_or(0.0)).fold(f64::INFINITY, f64::min);
     let all = if worst == 0.0 { "for no preload".to_owned() } else { format!("for preload up to {worst}") };
-    assert!(said.contains(&format!("P < 5 % {all}, whatever the other axes (")), "{said}");
+    let whatever = "whatever the rotating speed and static friction";
+    assert!(said.contains(&format!("P < 5 % {all}, {whatever} (")), "{said}");
 }
 
 #[test]
@@ -62,7 +63,7 @@ fn the_target_is_answered_first_for_each_combination() {
     let preload = largest(&table, 15.0, 0.05).unwrap();
     assert!(one.contains("Target: P < 5 %, with P the probability of instability."), "{one}");
     assert!(one.replace('\n', " ").contains(&format!("P < 5 % for preload up to {preload} (")), "{one}");
-    assert!(one.find("Target: ").unwrap() < one.find("P is below 1 % in").unwrap(), "{one}");
+    assert!(!one.contains("whatever"), "there is one axis: {one}");
 
     // The job says it, too, and the option wins. Neither belongs to what is computed.
     place.write("two.toml", &(text + "[target]\nprobability = 0.5\n"));

@@ -8,7 +8,7 @@ use crate::evaluate::parts::Parts;
 use crate::evaluate::sums::Lookups;
 use crate::failure::Failure;
 use crate::job::Job;
-use crate::output::quoted;
+use crate::output::{counted, quoted};
 use crate::store::directory::RunDirectory;
 use crate::store::file_state::FileState;
 use crate::store::outdated::{line, outdated};
@@ -118,7 +118,9 @@ impl RunProgress {
         };
         let mut remarks = match (self.undecided, self.failed) {
             (0, 0) => String::new(),
-            (undecided, failed) => format!("; {undecided} samples undecided, {failed} failed"),
+            (undecided, failed) => {
+                format!("; {} undecided, {failed} failed", counted(undecided.into(), "sample", "samples"))
+            }
         };
         let Self { audited, differed, .. } = self;
         if *differed > 0 {

@@ -1,17 +1,18 @@
-//! The result in a sentence or two: where the probability is surely small.
+//! The result in a sentence or two: from where to where the probability goes, and where it is surely small.
 
 use std::collections::BTreeMap;
 
 use stickslip_sampler::estimate::interval::Estimate;
 
 use crate::job::Job;
-use crate::picture::view::{GridView, ViewAxis, rounded};
+use crate::picture::view::{GridView, ViewAxis, probability, rounded};
 
 /// Probabilities that the answer asks for.
 const LIMITS: [f64; 3] = [0.01, 0.05, 0.5];
 
-/// Where the probability is surely below the limits, by the upper ends of its intervals: in how many cells, and up to
-/// which value of an axis in all cells. Without scatter, in how many cells steady sliding is kept.
+/// Up to which value of an axis the probability is surely below the target of the job, by the upper ends of its intervals.
+/// Without a target, the range of the probability and the same for the limits. Without scatter, in how many cells steady
+/// sliding is kept.
 pub fn answer(job: &Job, cells: &[Estimate]) -> String {
     let total = cells.len();
     if job.random.scatters_nothing() {
@@ -19,27 +20,11 @@ pub fn answer(job: &Job, cells: &[Estimate]) -> String {
         return format!("Nothing scatters; {stable} of {total} cells are stable.\n");
     }
     let high: Vec<f64> = cells.iter().map(|cell| cell.probability.map_or(f64::NAN, |_| cell.high)).collect();
-    let counts = LIMITS.map(|limit| high.iter().filter(|high| **high < limit).count());
-    // A target explains P already.
-    let name = if job.target.is_none() { "; P is the probability of instability" } else { "" };
-    let sure = format!("({}{name})", job.sampling.method.upper_ends(&job.sampling));
-    let [one, five, fifty] = counts;
     let view = GridView::new(job);
-    let first = job.target.map_or_else(String::new, |target| of_target(job, &view, &high, target));
-    if total == 1 && job.target.is_some() {
-        return first;
+    if let Some(target) = job.target {
+        return of_target(job, &view, &high, target);
     }
-    if total == 1 {
-        let limit = LIMITS.into_iter().zip(counts).find(|(_, count)| *count == 1);
-        let below = |(limit, _): (f64, usize)| format!("P is below {} {sure}.\n", percent(limit));
-        return limit.map_or_else(
-            || format!("The probability of instability P is not surely below {}.\n", percent(LIMITS[2])),
-            below,
-        );
-    }
-    let mut text = format!(
-        "{first}P is below 1 % in {one} of {total} cells, below 5 % in {five}, below 50 % in {fifty} {sure}.\n"
-    );
+    let mut text = range(job, cells);
     let long = [view.vertical(), view.horizontal()].into_iter().flatten();
     if let Some((axis, ends)) =
         long.map(|axis| (axis, ends(axis, &high, &LIMITS))).find(|(_, ends)| ends.iter().any(Option::is_some))
@@ -52,9 +37,40 @@ pub fn answer(job: &Job, cells: &[Estimate]) -> String {
             .take(needed)
             .filter_map(|(limit, end)| end.map(|end| format!("P < {} {}", percent(limit), end.text(axis))))
             .collect();
-        text += &format!("{}, whatever the other axes.\n", parts.join(", "));
+        let sure = job.sampling.method.upper_ends(&job.sampling);
+        text += &format!("{}{} ({sure}).\n", parts.join(", "), whatever(&view, axis));
     }
     text
+}
+
+/// The probability of a single cell with its interval; the smallest and the largest one of several.
+fn range(job: &Job, cells: &[Estimate]) -> String {
+    const NAME: &str = "P, the probability of instability";
+    let known = || cells.iter().filter_map(|cell| cell.probability);
+    let (Some(least), Some(largest)) = (known().reduce(f64::min), known().reduce(f64::max)) else {
+        let of = if cells.len() == 1 { "the cell" } else { "any cell" };
+        return format!("{NAME}, is not known of {of}.\n");
+    };
+    let [least, largest] = [least, largest].map(probability);
+    match cells {
+        [only] => {
+            let interval = job.sampling.method.interval(&job.sampling);
+            format!("{NAME}: {least} ({interval}: {} to {}).\n", probability(only.low), probability(only.high))
+        }
+        _ if least == largest => format!("{NAME}: {least} in {} cells.\n", known().count()),
+        _ => format!("{NAME}: {least} to {largest} in {} cells.\n", known().count()),
+    }
+}
+
+/// The axes that what is said of one holds for all values of: ", whatever the static friction"; nothing where it is the only
+/// one of several values.
+fn whatever(view: &GridView, axis: &ViewAxis) -> String {
+    let others: Vec<&str> = view.others(axis).map(ViewAxis::key).collect();
+    match others.split_last() {
+        None => String::new(),
+        Some((last, [])) => format!(", whatever the {last}"),
+        Some((last, first)) => format!(", whatever the {} and {last}", first.join(", ")),
+    }
 }
 
 /// The part of an axis, from one of its ends, in all cells of which the probability is small.
@@ -97,10 +113,10 @@ fn of_target(job: &Job, view: &GridView, high: &[f64], target: f64) -> String {
         let group = if is_sliced { view.slice_of(cell).first } else { cell - axis.offset(cell) };
         groups.entry(group).or_default().push((cell, *high));
     }
-    let several = if groups.len() > 1 { ", whatever the other axes" } else { "" };
     let mut text = format!(
-        "Target: {below}, with P the probability of instability. {below} {}{several} ({sure}; at the values that were computed, not between them).\n",
-        said(all)
+        "Target: {below}, with P the probability of instability. {below} {}{} ({sure}; at the values that were computed, not between them).\n",
+        said(all),
+        whatever(view, axis)
     );
     if (2..=MOST_LINES).contains(&groups.len()) {
         let lines = groups.iter().map(|(first, cells)| {
@@ -179,20 +195,27 @@ mod tests {
         let high = [0.0, 0.001, 0.004, 0.001, 0.02, 0.03, 0.1, 0.2, 0.49, 0.3, 0.6, 0.9];
         assert_eq!(
             answer(&job, &cells(&high)),
-            "P is below 1 % in 4 of 12 cells, below 5 % in 6, below 50 % in 10 (upper ends of the 95 % intervals; P is the probability of instability).\n\
-             P < 1 % for preload up to 0.1, P < 5 % for preload up to 0.2, P < 50 % for preload up to 0.3, whatever the other axes.\n"
+            "P, the probability of instability: 0.0000 to 0.4500 in 12 cells.\n\
+             P < 1 % for preload up to 0.1, P < 5 % for preload up to 0.2, P < 50 % for preload up to 0.3, whatever the static friction (upper ends of the 95 % intervals).\n"
         );
         assert!(!answer(&job, &cells(&[0.9; 12])).contains("whatever"));
-        assert!(answer(&job, &cells(&[0.001; 12])).contains("\nP < 1 % for every preload, whatever the other axes.\n"));
-        assert!(!answer(&job, &cells(&[f64::NAN; 12])).contains("whatever"), "what is not known is not small");
+        assert_eq!(
+            answer(&job, &cells(&[0.004; 12])),
+            "P, the probability of instability: 0.0020 in 12 cells.\n\
+             P < 1 % for every preload, whatever the static friction (upper ends of the 95 % intervals).\n"
+        );
+        assert_eq!(
+            answer(&job, &cells(&[f64::NAN; 12])),
+            "P, the probability of instability, is not known of any cell.\n",
+            "what is not known is not small"
+        );
     }
 
     #[test]
     fn the_target_is_answered_first() {
         let of = |axes: &str, high: &[f64]| {
             let job = Job { target: Some(0.05), ..job(axes) };
-            let text = answer(&job, &cells(high));
-            text.split_once("P is below 1 %").map_or(text.clone(), |(first, _)| first.to_owned())
+            answer(&job, &cells(high))
         };
         let axes = "rotating_speed = 15.0\npreload = [0.1, 0.2, 0.3]\nstatic_friction = 0.4";
         assert_eq!(
@@ -202,8 +225,14 @@ mod tests {
         assert!(of(axes, &[0.06, 0.03, f64::NAN]).contains("P < 5 % for no preload ("));
         let two = "rotating_speed = [10.0, 15.0]\npreload = [0.1, 0.2, 0.3]\nstatic_friction = 0.4";
         let text = of(two, &[0.01, 0.06, 0.04, 0.01, 0.03, 0.04]);
-        assert!(text.contains("P < 5 % for rotating speed from 15 rad/s, whatever the other axes ("), "{text}");
+        assert!(text.contains("P < 5 % for rotating speed from 15 rad/s, whatever the preload ("), "{text}");
         assert!(text.contains("\nAt preload = 0.1: P < 5 % for every rotating speed.\n"), "{text}");
+        let three = "rotating_speed = [10.0, 15.0]\npreload = [0.1, 0.2]\nstatic_friction = [0.3, 0.4]";
+        let text = of(three, &[0.01; 8]);
+        assert!(
+            text.contains("P < 5 % for every preload, whatever the rotating speed and static friction ("),
+            "{text}"
+        );
         let single = "rotating_speed = 15.0\npreload = 0.1\nstatic_friction = 0.4";
         assert!(of(single, &[0.04]).starts_with("Probability of instability P is below 5 % (upper"));
         assert!(of(single, &[0.06]).starts_with("Probability of instability P is not surely below 5 % (upper"));
@@ -213,7 +242,7 @@ mod tests {
     fn the_probability_may_be_small_from_a_value_on() {
         let job = job("rotating_speed = [10.0, 20.0, 30.0]\npreload = 0.1\nstatic_friction = 0.4");
         assert!(answer(&job, &cells(&[0.9, 0.03, 0.002])).contains(
-            "P < 1 % for rotating speed from 30 rad/s, P < 5 % for rotating speed from 20 rad/s, P < 50 % for rotating speed from 20 rad/s, whatever the other axes."
+            "P < 1 % for rotating speed from 30 rad/s, P < 5 % for rotating speed from 20 rad/s, P < 50 % for rotating speed from 20 rad/s (upper ends of the 95 % intervals).\n"
         ));
     }
 
@@ -232,8 +261,8 @@ mod tests {
         let job = job("rotating_speed = 15.0\npreload = 0.1\nstatic_friction = 0.4");
         assert_eq!(
             answer(&job, &cells(&[0.04])),
-            "P is below 5 % (upper ends of the 95 % intervals; P is the probability of instability).\n"
+            "P, the probability of instability: 0.0200 (95 % interval: 0.0000 to 0.0400).\n"
         );
-        assert_eq!(answer(&job, &cells(&[0.7])), "The probability of instability P is not surely below 50 %.\n");
+        assert_eq!(answer(&job, &cells(&[f64::NAN])), "P, the probability of instability, is not known of the cell.\n");
     }
 }

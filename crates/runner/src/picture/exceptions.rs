@@ -66,21 +66,29 @@ impl Exceptions {
     }
 
     fn outside_the_model(&self, job: &Job) -> Option<String> {
-        let share = |share: f64| format!("{:.2} %", 100.0 * share);
+        let one_or_more = |one, more| if self.outside == 1 { one } else { more };
+        let of_a_cell = match job.cells() {
+            1 => String::new(),
+            _ => format!(", in one cell up to {}", share(self.outside_of_a_cell)),
+        };
         (self.outside > 0).then(|| {
             format!(
-                "{} samples ({}, in one cell up to {}) lie outside the model: {}; {}",
-                HumanCount(self.outside),
+                "{} ({}{of_a_cell}) {} outside the model: {}; {}",
+                counted(self.outside.into(), "sample", "samples"),
                 share(self.outside as f64 / self.samples as f64),
-                share(self.outside_of_a_cell),
+                one_or_more("lies", "lie"),
                 job.model().outside_meaning(),
                 match job.outside_physics {
-                    OutsidePhysics::Stable if !job.model().sources().is_empty() => {
-                        "they are decided as they are, see criterion.outside_physics"
-                    }
-                    OutsidePhysics::Stable => "they count as stable, see criterion.outside_physics",
-                    OutsidePhysics::Failed => "they count as failed",
-                    OutsidePhysics::Clamp => "they are moved to its edge",
+                    OutsidePhysics::Stable if !job.model().sources().is_empty() => one_or_more(
+                        "it is decided as it is, see criterion.outside_physics",
+                        "they are decided as they are, see criterion.outside_physics",
+                    ),
+                    OutsidePhysics::Stable => one_or_more(
+                        "it counts as stable, see criterion.outside_physics",
+                        "they count as stable, see criterion.outside_physics",
+                    ),
+                    OutsidePhysics::Failed => one_or_more("it counts as failed", "they count as failed"),
+                    OutsidePhysics::Clamp => one_or_more("it is moved to its edge", "they are moved to its edge"),
                 }
             )
         })
@@ -95,5 +103,50 @@ impl Exceptions {
                 HumanCount(failed)
             )
         })
+    }
+}
+
+/// A share above 0 in per cent.
+fn share(share: f64) -> String {
+    match 100.0 * share {
+        percent if percent < 0.01 => "less than 0.01 %".to_owned(),
+        percent => format!("{percent:.2} %"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::job::JobSource;
+
+    /// What is said of so many samples outside the model in each of some cells of 100,000.
+    fn said(outside: &[u64]) -> Vec<String> {
+        let preloads: Vec<String> = (1..=outside.len()).map(|i| format!("0.{i}")).collect();
+        let text = format!(
+            "name = \"outside\"\n[axes]\nrotating_speed = 15.0\npreload = [{}]\nstatic_friction = 0.4\n[random]\ninputs = [\"preload\"]\nrelative_std = 0.2\n[criterion]\nkind = \"eigenvalue\"\n[sampling]\nsamples = 100000\nseed = 1\n",
+            preloads.join(", ")
+        );
+        let job = JobSource { path: "job.toml".into(), text }.job().unwrap();
+        let mut exceptions = Exceptions::default();
+        outside.iter().for_each(|&outside| exceptions.add(100_000, 0, 0, outside));
+        exceptions.sentences(&job)
+    }
+
+    #[test]
+    fn a_single_sample_is_no_share_of_zero() {
+        let meaning = "preload at or below 0, or f_s < f_c";
+        assert!(said(&[0]).is_empty());
+        assert_eq!(
+            said(&[1]),
+            [format!(
+                "1 sample (less than 0.01 %) lies outside the model: {meaning}; it counts as stable, see criterion.outside_physics"
+            )]
+        );
+        assert_eq!(
+            said(&[1, 1200]),
+            [format!(
+                "1,201 samples (0.60 %, in one cell up to 1.20 %) lie outside the model: {meaning}; they count as stable, see criterion.outside_physics"
+            )]
+        );
     }
 }

@@ -8,7 +8,7 @@ use crate::picture::panels::MOST_PANELS;
 use crate::picture::scale::Scale;
 use crate::picture::terminal::drawn;
 use crate::picture::title::capitalised;
-use crate::picture::view::{GridView, Slice, ViewAxis, is_family, label, rounded};
+use crate::picture::view::{GridView, Slice, ViewAxis, is_family, label, probability, rounded};
 use crate::tables::row::SurfaceRow;
 use crate::tables::surface::Surface;
 
@@ -314,11 +314,6 @@ fn bars(surface: &Surface<'_>, slice: &Slice<'_>, axis: Option<&ViewAxis>) -> St
     }
     text.push('\n');
     text
-}
-
-/// A probability with four decimals, or with two digits and an exponent where those would show little of it.
-fn probability(value: f64) -> String {
-    if value == 0.0 || value >= 1e-3 { format!("{value:.4}") } else { format!("{value:.1e}") }
 }
 
 /// The probability along an axis with its interval: a curve for each value of another axis, if one is given; `cell`

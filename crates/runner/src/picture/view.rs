@@ -224,6 +224,12 @@ impl GridView {
         self.horizontal.map(|axis| &self.axes[axis])
     }
 
+    /// The axes of several values but one.
+    pub fn others(&self, but: &ViewAxis) -> impl Iterator<Item = &ViewAxis> {
+        let but = but.stride;
+        self.axes.iter().filter(move |axis| axis.values.len() > 1 && axis.stride != but)
+    }
+
     /// The values of a cell on some axes, but its standard deviations: "15 rad/s", "pad.mass = 0.1 kg". Of axes with one
     /// value only those that are always given are among them.
     fn values_of(&self, cell: u64, is_wanted: impl Fn(usize) -> bool) -> Vec<String> {
@@ -390,4 +396,9 @@ pub fn rounded(value: f64) -> String {
 pub fn label(value: f64) -> String {
     let plain = value == 0.0 || (1e-3..1e4).contains(&value.abs());
     if plain { format!("{value:>8.4}") } else { format!("{value:>8.2e}") }
+}
+
+/// A probability with four decimals, or with two digits and an exponent where those would show little of it.
+pub fn probability(value: f64) -> String {
+    if value == 0.0 || value >= 1e-3 { format!("{value:.4}") } else { format!("{value:.1e}") }
 }

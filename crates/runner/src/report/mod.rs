@@ -201,10 +201,7 @@ impl PictureKind {
 
     fn note(self, model: &dyn Model) -> String {
         match self {
-            Self::Inputs => {
-                "As drawn in the cell in the middle of the axes. Samples outside the model have no equations."
-                    .to_owned()
-            }
+            Self::Inputs => "As drawn in the cell in the middle of the axes.".to_owned(),
             Self::Friction => {
                 "Steady sliding is unstable on a rigid disc where the curve falls too steeply, here with the values of the cell in the middle of the axes."
                     .to_owned()

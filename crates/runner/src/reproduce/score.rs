@@ -31,7 +31,8 @@ impl Score {
             self.quantity.clone(),
             format!("{:.decimals$}", self.printed),
             format!("{:.*}", decimals + 2, self.ours),
-            format!("{:+.2} %", 100.0 * self.deviation()),
+            // The sum makes -0 a 0.
+            format!("{:+.2} %", (1e4 * self.deviation()).round() / 100.0 + 0.0),
             if self.agrees() { "yes" } else { "MISS" }.to_owned(),
             self.role.to_owned(),
         ]
