@@ -3,7 +3,6 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on should say so and stop")]
 
 use std::fs;
-use std::time::{Duration, SystemTime};
 
 use crate::common::{Place, Table, named_by, python_agrees, submitted};
 use serde_json::Value;
@@ -487,26 +486,56 @@ fn a_run_without_scatter_has_verdicts_and_no_probabilities() {
 }
 
 #[test]
-fn what_shows_an_earlier_surface_is_named() {
+fn what_shows_earlier_results_is_named() {
     let place = Place::new();
     let job = DRAWN.replace("samples = 400\nsensitivity = true", "samples = 100");
     submitted(&place, "drawn", &job);
-    place.run("report drawn").done();
-    place.run("plot drawn").done();
+    let made = ["report.html", "surface.pdf", "surface.png", "surface.svg"];
+    let draw = || {
+        for command in ["report drawn", "plot drawn", "plot drawn --out drawn/surface.pdf"] {
+            place.run(command).done();
+        }
+    };
+    let are_renewed = || {
+        for command in ["status drawn", "status .", "verify drawn", "submit drawn.toml --out drawn --samples 200"] {
+            let said = place.run(command).done().stdout;
+            assert!(!said.contains("outdated"), "{command}: {said}");
+        }
+    };
+    draw();
     let now = place.run("status drawn").done().stdout;
-    assert!(!now.contains("older"), "{now}");
-    let long_ago = SystemTime::now() - Duration::from_secs(3600);
-    for name in ["report.html", "surface.svg", "surface.png"] {
-        let file = fs::File::options().write(true).open(place.path(&format!("drawn/{name}"))).unwrap();
-        file.set_modified(long_ago).unwrap();
-    }
-    let line = "report.html, surface.png, surface.svg are older than the surface; make them again with `stickslip report drawn` and `stickslip plot drawn`\n";
+    assert!(!now.contains("outdated"), "{now}");
+
+    // Whatever their clocks say: the run is extended at once, and its surface has the time of the pictures.
     let extended = place.run("submit drawn.toml --out drawn --samples 200").done().stdout;
-    assert!(extended.ends_with(line), "{extended}");
-    assert!(place.run("status drawn").done().stdout.ends_with(line));
+    let time = fs::metadata(place.path("drawn/report.html")).unwrap().modified().unwrap();
+    fs::File::options().write(true).open(place.path("drawn/surface.parquet")).unwrap().set_modified(time).unwrap();
+    let line = format!(
+        "{} are outdated, as the results have changed since; make them again with `stickslip report drawn` and `stickslip plot drawn`\n",
+        made.join(", ")
+    );
+    for said in [extended, place.run("status drawn").done().stdout, place.run("resume drawn").done().stdout] {
+        assert!(said.ends_with(&line), "{said}");
+    }
+    let all = place.run("status .").done().stdout;
+    assert!(all.contains(&format!("100.0 %  outdated: {}\n", made.join(", "))), "{all}");
     let checked = place.run("verify drawn").done().stdout;
-    assert!(checked.contains("surface.png: older than the surface, which it does not show\n"), "{checked}");
-    place.run("report drawn").done();
-    place.run("plot drawn").done();
-    assert!(!place.run("status drawn").done().stdout.contains("older"));
+    assert!(checked.contains("surface.png: outdated; it shows other results than those of the run\n"), "{checked}");
+    let checked: Value = serde_json::from_str(&place.run("verify drawn --json").done().stdout).unwrap();
+    assert_eq!(checked["state"], "outdated");
+    let named = checked["files"].as_array().unwrap().iter().filter(|file| file["state"] == "outdated");
+    assert_eq!(named.map(|file| file["file"].as_str().unwrap()).collect::<Vec<_>>(), made);
+    draw();
+    are_renewed();
+
+    // Limits are results, too. A report of several runs shows each of them.
+    place.run("limit drawn --of preload --probability 0.05 --out drawn/limits.parquet").done();
+    assert!(place.run("status drawn").done().stdout.ends_with(&line));
+    draw();
+    are_renewed();
+    submitted(&place, "other", &job.replace("seed = 1", "seed = 2"));
+    place.run("report drawn other --out drawn/report.html").done();
+    place.run("report drawn other --out other/report.html").done();
+    are_renewed();
+    assert!(!place.run("status other").done().stdout.contains("outdated"));
 }

@@ -28,13 +28,15 @@ use crate::plot::surface;
 use crate::plot::values::Values;
 use crate::plot::verdict_map::VerdictMaps;
 use crate::schedule::engine::Engine;
+use crate::store::directory::RunDirectory;
+use crate::store::outdated;
 use crate::tables::finished::FinishedSurface;
 
 /// `stickslip plot`.
 pub fn plot(arguments: &PlotArguments, interrupt: &Interrupt) -> Result<(), Failure> {
     let width = WIDTHS[usize::from(arguments.columns.clamp(1, 2)) - 1];
     check(arguments)?;
-    let (canvas, beside) = if is_of_a_cell(arguments) {
+    let (mut canvas, beside) = if is_of_a_cell(arguments) {
         cell::figure(arguments, width, interrupt)?
     } else if arguments.run.is_file() && !is_of_modes(arguments.of) {
         let PlotArguments { from, to, title, .. } = arguments;
@@ -43,6 +45,10 @@ pub fn plot(arguments: &PlotArguments, interrupt: &Interrupt) -> Result<(), Fail
     } else {
         of_run(arguments, width, interrupt)?
     };
+    if matches!(arguments.of, PlotQuantity::Probability | PlotQuantity::Sobol) {
+        let runs = [Some(&arguments.run), arguments.against.as_ref()].into_iter().flatten();
+        canvas.results = runs.filter_map(|run| outdated::results(&RunDirectory::view(run).ok()?)).collect();
+    }
     let files = match &arguments.out {
         Some(out) => vec![out.clone()],
         None => ["svg", "png"].map(|extension| beside.with_extension(extension)).to_vec(),

@@ -29,7 +29,7 @@ pub struct RunProgress {
     pub failed: u64,
     pub audited: u64,
     pub differed: u64,
-    /// Reports and pictures of an earlier surface.
+    /// Reports and pictures of earlier results.
     pub outdated: Vec<String>,
 }
 

@@ -51,7 +51,9 @@ fn status_of_all(runs: &[PathBuf], as_json: bool) -> Result<(), Failure> {
     let lines = all.iter().map(|(path, progress)| {
         let share =
             progress.as_ref().map_or_else(|_| "-".to_owned(), |progress| format!("{:.1} %", progress.percent()));
-        format!("{:name_width$}  {:state_width$}  {share:>7}\n", name(path), state(progress))
+        let outdated = progress.as_ref().map_or(&[][..], |progress| &progress.outdated);
+        let remark = if outdated.is_empty() { String::new() } else { format!("  outdated: {}", outdated.join(", ")) };
+        format!("{:name_width$}  {:state_width$}  {share:>7}{remark}\n", name(path), state(progress))
     });
     result(&lines.collect::<String>())
 }

@@ -65,6 +65,8 @@ pub fn verify(arguments: &VerifyArguments) -> Result<(), Failure> {
 enum State {
     /// As it was written, or rightly not there yet.
     Sound,
+    /// Of other results than those of the run.
+    Outdated,
     /// Damaged or lost, and written again.
     Repaired,
     /// Damaged or lost.
@@ -75,6 +77,7 @@ impl State {
     fn name(self) -> &'static str {
         match self {
             Self::Sound => "sound",
+            Self::Outdated => "outdated",
             // Programs read this name.
             Self::Repaired => "mended",
             Self::Broken => "broken",
@@ -141,7 +144,7 @@ impl Check<'_> {
         self.lost(&job)?;
         self.limits(&job)?;
         for name in outdated(self.directory) {
-            self.find(&name, State::Sound, "older than the surface, which it does not show");
+            self.find(&name, State::Outdated, "outdated; it shows other results than those of the run");
         }
         self.record();
         if self.can_repair {

@@ -85,6 +85,8 @@ pub struct Canvas {
     pub height: f64,
     /// In the order in which they are drawn over each other.
     pub shapes: Vec<Shape>,
+    /// The results that it shows, by the hashes that identify them.
+    pub results: Vec<String>,
 }
 
 /// The width of a text in a font of this size.
@@ -94,7 +96,12 @@ pub fn width_of(text: &str, size: u32) -> f64 {
 
 impl Canvas {
     pub fn new(width: f64, height: f64) -> Self {
-        Self { width, height, shapes: Vec::new() }
+        Self { width, height, shapes: Vec::new(), results: Vec::new() }
+    }
+
+    /// What its files say of the results that they show.
+    pub fn remark(&self) -> Option<String> {
+        (!self.results.is_empty()).then(|| format!("stickslip results {}", self.results.join(" ")))
     }
 
     pub fn line(&mut self, from: Place, to: Place, pen: Pen) {

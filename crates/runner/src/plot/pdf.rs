@@ -6,7 +6,7 @@ use std::io::Write as _;
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
 use pdf_writer::types::{CidFontType, FontFlags, SystemInfo, UnicodeCmap};
-use pdf_writer::{Content, Filter, Finish as _, Name, Pdf, Rect, Ref, Str};
+use pdf_writer::{Content, Filter, Finish as _, Name, Pdf, Rect, Ref, Str, TextStr};
 use subsetter::{Profile, subset};
 
 use crate::plot::canvas::{Canvas, Place, Rgb, Shape, Text};
@@ -28,6 +28,7 @@ const CID_FONT: Ref = Ref::new(6);
 const DESCRIPTOR: Ref = Ref::new(7);
 const FONT_FILE: Ref = Ref::new(8);
 const CHARACTERS: Ref = Ref::new(9);
+const INFORMATION: Ref = Ref::new(10);
 
 /// The name of the font on the page, and how its letters are numbered.
 const NAME: Name<'static> = Name(b"F");
@@ -46,6 +47,9 @@ pub fn pdf(canvas: &Canvas) -> Result<Vec<u8>, String> {
 
     let mut pdf = Pdf::new();
     pdf.catalog(CATALOG).pages(PAGES);
+    if let Some(remark) = canvas.remark() {
+        pdf.document_info(INFORMATION).keywords(TextStr(&remark));
+    }
     pdf.pages(PAGES).kids([PAGE]).count(1);
     let mut entry = pdf.page(PAGE);
     entry.media_box(Rect::new(0.0, 0.0, rounded(POINTS * canvas.width), rounded(POINTS * canvas.height)));

@@ -1,5 +1,6 @@
 //! Plots as PNG.
 
+use flate2::Crc;
 use tiny_skia::{Color, FillRule, Paint, Path, PathBuilder, Pixmap, Stroke, Transform};
 use ttf_parser::OutlineBuilder;
 
@@ -27,7 +28,25 @@ pub fn png(canvas: &Canvas) -> Result<Vec<u8>, String> {
     for shape in &canvas.shapes {
         draw(&mut image, shape, &font);
     }
-    image.encode_png().map_err(|why| why.to_string())
+    let image = image.encode_png().map_err(|why| why.to_string())?;
+    Ok(match canvas.remark() {
+        Some(remark) => with_comment(&image, &remark),
+        None => image,
+    })
+}
+
+/// Length of the signature of a PNG and of its first chunk.
+const FIRST: usize = 8 + 25;
+
+/// An image with a comment as its second chunk.
+fn with_comment(image: &[u8], comment: &str) -> Vec<u8> {
+    let kind = "tEXt";
+    let chunk = format!("{kind}Comment\0{comment}");
+    let length = (chunk.len() - kind.len()) as u32;
+    let mut sum = Crc::new();
+    sum.update(chunk.as_bytes());
+    let (first, rest) = image.split_at(FIRST.min(image.len()));
+    [first, &length.to_be_bytes()[..], chunk.as_bytes(), &sum.sum().to_be_bytes()[..], rest].concat()
 }
 
 fn draw(image: &mut Pixmap, shape: &Shape, font: &Font<'_>) {
@@ -174,6 +193,21 @@ mod tests {
             assert!((turned / upright - 1.0).abs() < 0.02, "{turn}: {turned} for {upright}");
             assert!(soft < 2 * blurred, "{turn}: {soft} for {blurred}");
         }
+    }
+
+    #[test]
+    fn a_comment_is_part_of_the_image() {
+        let mut canvas = Canvas::new(20.0, 10.0);
+        canvas.dot((10.0, 5.0), 2.0, BLACK);
+        let plain = png(&canvas).unwrap();
+        canvas.results = vec!["0123".to_owned(), "4567".to_owned()];
+        let remarked = png(&canvas).unwrap();
+        let comment = b"\0\0\0\x23tEXtComment\0stickslip results 0123 4567";
+        assert_eq!(remarked.len(), plain.len() + comment.len() + 4);
+        assert_eq!(&remarked[FIRST..FIRST + comment.len()], comment);
+        // The decoder checks the sum.
+        let [plain, remarked] = [plain, remarked].map(|image| Pixmap::decode_png(&image).unwrap());
+        assert!(plain.data() == remarked.data());
         assert!(png(&Canvas::new(1e8, 1e8)).is_err_and(|why| why.contains("too large")));
     }
 }

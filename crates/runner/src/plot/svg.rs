@@ -21,10 +21,11 @@ pub fn element(canvas: &Canvas, label: &str) -> String {
 fn with_attributes(canvas: &Canvas, attributes: &str) -> String {
     let (width, height) = (canvas.width, canvas.height);
     let shapes: String = canvas.shapes.iter().map(shape).collect();
+    let remark = canvas.remark().map_or_else(String::new, |remark| format!("<metadata>{remark}</metadata>"));
     // With its own coordinates a browser can scale the plot.
     format!(
         "<svg {attributes}viewBox=\"0 0 {width} {height}\" xmlns=\"http://www.w3.org/2000/svg\" width=\"{}\" \
-         height=\"{}\" font-family=\"{FONTS}\"><rect width=\"100%\" height=\"100%\" fill=\"#ffffff\" />{shapes}</svg>",
+         height=\"{}\" font-family=\"{FONTS}\">{remark}<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\" />{shapes}</svg>",
         Hundredths(width),
         Hundredths(height)
     )

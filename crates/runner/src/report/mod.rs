@@ -59,6 +59,7 @@ pub fn page(runs: &[ReportedRun], comparisons: &[Comparison]) -> Result<String, 
     });
     let has_pad = runs.iter().any(|run| run.values.job.model.as_pad().is_some());
     let parts = [
+        ("results", runs.iter().filter_map(|run| run.results.as_deref()).collect::<Vec<_>>().join(" ")),
         ("title", format!("{name}: probability of instability")),
         ("style", STYLE.to_owned()),
         ("name", name),

@@ -22,6 +22,7 @@ use crate::plot::regions::Region;
 use crate::plot::values::Values;
 use crate::plot::verdict_map::VerdictMaps;
 use crate::store::directory::RunDirectory;
+use crate::store::outdated;
 use crate::store::provenance::{finished, programs};
 use crate::tables::finished::{FinishedColumn, FinishedSurface, FinishedValues};
 
@@ -38,6 +39,8 @@ pub struct ReportedRun {
     /// The programs that computed it, and when it was finished, as far as it is known.
     pub programs: Vec<String>,
     pub finished: Option<String>,
+    /// What identifies the results that are shown.
+    pub results: Option<String>,
 }
 
 /// A picture of a run.
@@ -88,7 +91,8 @@ impl ReportedRun {
         }
         let directory = RunDirectory::view(path)?;
         let (programs, finished) = (programs(&directory), finished(&directory));
-        Ok(Self { path: shown(path), values, further, pictures, programs, finished })
+        let results = outdated::results(&directory);
+        Ok(Self { path: shown(path), values, further, pictures, programs, finished, results })
     }
 
     /// The run for the script: axes slowest first, and one number for each cell in every column.

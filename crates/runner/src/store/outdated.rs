@@ -1,39 +1,63 @@
-//! Reports and pictures that show an earlier surface than the one that lies beside them.
+//! Reports and pictures of other results than those beside which they lie.
+//!
+//! Each says by a hash which results it shows, so that neither clocks matter nor the order in which files are copied.
 
-use std::fs;
+use std::io::Read as _;
 use std::path::Path;
-use std::time::{Duration, SystemTime};
 
+use crate::files::foreign::text_of_key;
 use crate::output::quoted;
-use crate::store::directory::RunDirectory;
-use crate::store::layout::SURFACE;
+use crate::store::directory::{JOB_HASH_KEY, RunDirectory};
+use crate::store::layout::{LIMITS, SURFACE};
 
 /// How names begin of what `report` and `plot` draw from a surface, and how they end.
 const BEGINNINGS: [&str; 4] = ["report.", "surface.", "difference.", "sobol"];
 const ENDINGS: [&str; 4] = [".html", ".svg", ".png", ".pdf"];
 
-/// Copies of one directory are not written in the order of the originals.
-const LEAST_DELAY: Duration = Duration::from_secs(1);
+/// Among how many bytes at their beginning the hash stands.
+const HEAD: u64 = 1 << 16;
 
-/// The names of reports and pictures in a run directory that were written before its surface.
+/// What the limits of a run depend on, beside its job.
+const OF_LIMITS: [&str; 2] = ["stickslip:of", "stickslip:targets"];
+
+/// Identifies the results that lie in a run directory: the surface, by its job, and limits beside it. None without a surface.
+pub fn results(directory: &RunDirectory) -> Option<String> {
+    let text = |name: &str, key: &str| text_of_key(&directory.root().open_file(name).ok()?, key);
+    let surface = text(SURFACE, JOB_HASH_KEY).filter(|hash| is_hash(hash))?;
+    if text(LIMITS, JOB_HASH_KEY).as_ref() != Some(&surface) {
+        return Some(surface);
+    }
+    let limits = OF_LIMITS.map(|key| text(LIMITS, key).unwrap_or_default());
+    Some(blake3::hash(format!("{surface} {limits:?}").as_bytes()).to_hex().to_string())
+}
+
+/// Whether a text that stands in a file, which may be forged, is a hash.
+fn is_hash(text: &str) -> bool {
+    !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_hexdigit())
+}
+
+/// The names of reports and pictures in a run directory that show other results than those that lie there.
 pub fn outdated(directory: &RunDirectory) -> Vec<String> {
-    let written = |name: &str| -> Option<SystemTime> {
-        let about = fs::symlink_metadata(directory.path().join(name)).ok()?;
-        about.modified().ok().filter(|_| about.is_file())
-    };
-    let Some(surface) = written(SURFACE) else { return Vec::new() };
+    let Some(results) = results(directory) else { return Vec::new() };
     let names = directory.root().names().unwrap_or_default();
     let is_drawn = |name: &String| {
         BEGINNINGS.iter().any(|part| name.starts_with(part)) && ENDINGS.iter().any(|part| name.ends_with(part))
     };
-    let is_older = |name: &String| {
-        let age = written(name).and_then(|time| surface.duration_since(time).ok());
-        age.is_some_and(|age| age >= LEAST_DELAY)
+    let shows_others = |name: &String| {
+        let is_it = |part: &[u8]| part == results.as_bytes();
+        head(directory, name).is_some_and(|head| !head.windows(results.len()).any(is_it))
     };
     let mut names: Vec<String> = names.into_iter().filter_map(|name| name.into_string().ok()).collect();
-    names.retain(|name| is_drawn(name) && is_older(name));
+    names.retain(|name| is_drawn(name) && shows_others(name));
     names.sort_unstable();
     names
+}
+
+/// The beginning of a file, if it can be read.
+fn head(directory: &RunDirectory, name: &str) -> Option<Vec<u8>> {
+    let mut head = Vec::new();
+    directory.root().open_file(name).ok()?.take(HEAD).read_to_end(&mut head).ok()?;
+    Some(head)
 }
 
 /// Such names in a line with how to make the files again; empty if there are none.
@@ -46,5 +70,9 @@ pub fn line(names: &[String], run: &Path) -> String {
     let commands = [(reports, "report"), (plots, "plot")].into_iter().filter(|(names, _)| !names.is_empty());
     let commands: Vec<String> = commands.map(|(_, command)| format!("`stickslip {command} {run}`")).collect();
     let (are, them) = if names.len() == 1 { ("is", "it") } else { ("are", "them") };
-    format!("{} {are} older than the surface; make {them} again with {}\n", names.join(", "), commands.join(" and "))
+    format!(
+        "{} {are} outdated, as the results have changed since; make {them} again with {}\n",
+        names.join(", "),
+        commands.join(" and ")
+    )
 }
