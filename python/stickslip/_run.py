@@ -293,7 +293,13 @@ class Run:
             arguments.append(f"--out={absolute(out)}")
         return Plot._of(written(call(arguments)))
 
-    def report(self, out: PathLike | None = None, *others: PathLike) -> Report:
+    def report(
+        self,
+        out: PathLike | None = None,
+        *others: PathLike,
+        target: float | None = None,
+        at: Mapping[str, float] | None = None,
+    ) -> Report:
         """Write a report: one HTML file with the answer, an interactive map and the job.
 
         Parameters
@@ -302,6 +308,11 @@ class Run:
             The file; by default ``report.html`` in the run directory.
         others
             Further runs, each compared with this one. ``out`` must be given then.
+        target
+            Say first whether the probability is below this one, in place of the job's ``[target]``.
+        at
+            The operating point of which the report speaks first, for example ``{"rotating_speed": 15.0}``: a value of each
+            axis of several values.
 
         Returns
         -------
@@ -310,7 +321,9 @@ class Run:
         """
         runs = map(expanded, (self, *others))
         file = [] if out is None else [f"--out={absolute(out)}"]
-        return Report(written(call(["report", *runs, *file]))[0])
+        asked = [] if target is None else [f"--target={target}"]
+        asked += [f"--at={axis}={value}" for axis, value in (at or {}).items()]
+        return Report(written(call(["report", *runs, *file, *asked]))[0])
 
     def _table(self, name: str, why: str = "it is gone") -> pyarrow.Table:
         """A result of the run, if the program says that it is finished and as it was written."""

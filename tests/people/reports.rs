@@ -271,11 +271,16 @@ fn a_run_over_one_axis_and_one_of_a_single_cell_have_reports_too() {
         submitted(&place, name, &job);
         place.run(&format!("report {name}")).done();
         let page = fs::read_to_string(place.path(&format!("{name}/report.html"))).unwrap();
-        let answer = "P, the probability of instability: ";
-        let [_, answer] = page.split(answer).collect::<Vec<_>>()[..] else { panic!("{name}: no answer or several") };
+        let [begins, ends, rest] = match name {
+            "line" => ["P, the probability of instability: ", " in 15 cells.", "P &lt; 1 % for preload up to "],
+            _ => ["At 15 rad/s: P, the probability of instability, is ", ").", "It rests on 2,000 samples, "],
+        };
+        let answer = page.split("<p class=\"verdict\">").nth(1).unwrap();
+        let (first, answer) = answer.split_once("</p>").unwrap();
+        assert!(first.starts_with(begins) && first.ends_with(ends), "{name}: {first}");
         let answer = answer.split("</p>").next().unwrap();
-        let end = if name == "line" { " in 15 cells." } else { ")." };
-        assert!(answer.lines().next().unwrap().ends_with(end) && !answer.contains("whatever"), "{name}: {answer}");
+        assert!(answer.starts_with(&format!("<p class=\"answer\">{rest}")), "{name}: {answer}");
+        assert!(!answer.contains("whatever"), "{name}: {answer}");
     }
 }
 
@@ -288,6 +293,69 @@ fn what_has_no_report_is_said() {
     place.run("report three --out no/folder/report.html").refused(73, &["no/folder"]);
     fs::remove_file(place.path("three/surface.parquet")).unwrap();
     place.run("report three").refused(65, &["has no surface yet", "stickslip resume three"]);
+}
+
+#[test]
+fn the_operating_point_heads_the_report_and_the_end_of_a_run() {
+    let place = Place::new();
+    let asked = "[target]\nprobability = 0.2\nat = { rotating_speed = 15, preload = 0.1, static_friction = 0.25 }\n";
+    let table = submitted(&place, "three", &format!("{JOB}{asked}"));
+    let value = |name: &str, cell: usize| table.column(name)[cell];
+    let near = |cell: &usize, [speed, preload, friction]: [f64; 3]| {
+        (value("rotating_speed_rad_s", *cell) - speed).abs() < 1e-9
+            && (value("preload", *cell) - preload).abs() < 1e-9
+            && (value("static_friction", *cell) - friction).abs() < 1e-9
+    };
+    for (target, at) in [(0.2, None), (0.01, None), (0.5, Some([18.0, 0.3, 0.5]))] {
+        let point = at.unwrap_or([15.0, 0.1, 0.25]);
+        let cell = (0..540).find(|cell| near(cell, point)).unwrap();
+        let [p, low, high] = ["p_unstable", "p_low", "p_high"].map(|name| value(name, cell));
+        let [speed, preload, friction] = point;
+        let first = format!(
+            "At {speed} rad/s, preload = {preload}, static friction = {friction}: P, the probability of instability, is {p:.4} (95 % interval: {low:.4} to {high:.4})."
+        );
+        let met = match (high < target, low >= target) {
+            (true, _) => format!("met, P is at most {high:.4}."),
+            (_, true) => format!("not met, P is at least {low:.4}."),
+            _ => "open, P may be below it and above it; take more samples.".to_owned(),
+        };
+        let met = format!("Target P < {} %: {met}", 100.0 * target);
+        let unstable = match value("n_unstable", cell) as u64 {
+            many @ 1000.. => format!("{},{:03}", many / 1000, many % 1000),
+            few => few.to_string(),
+        };
+        let rests = format!("It rests on 2,000 samples, {unstable} of them unstable (method = \"monte-carlo\")");
+        let mut options = format!(" --target {target}");
+        if at.is_some() {
+            options += &format!(" --at rotating_speed={speed} --at preload={preload} --at static_friction={friction}");
+        }
+        let said = place.run(&format!("submit three.toml --out three{options}")).done().stdout.replace('\n', " ");
+        let in_order = [&first, &met, &rests, &format!("Target: P < {} %", 100.0 * target)];
+        let places = in_order.map(|text| said.find(&**text).unwrap_or_else(|| panic!("{text}: {said}")));
+        assert!(places.is_sorted(), "{places:?}: {said}");
+        place.run(&format!("report three{options}")).done();
+        let page = fs::read_to_string(place.path("three/report.html")).unwrap();
+        let verdict = page.find(&format!("<p class=\"verdict\">{first}</p>")).unwrap_or_else(|| panic!("{first}"));
+        let answer = page.find(&format!("<p class=\"answer\">{}", met.replace('<', "&lt;"))).unwrap();
+        assert!(verdict < answer && answer < page.find("<div id=\"map\"").unwrap());
+        // The page begins with this point selected.
+        let run = &data(&page)["runs"][0];
+        let at = run["at"].as_array().unwrap();
+        let values: Vec<f64> = at
+            .iter()
+            .zip(run["axes"].as_array().unwrap())
+            .filter(|(_, axis)| axis["values"].as_array().unwrap().len() > 1)
+            .map(|(position, axis)| axis["values"][position.as_u64().unwrap() as usize].as_f64().unwrap())
+            .collect();
+        assert!(values.iter().zip(point).all(|(value, point)| (value - point).abs() < 1e-9), "{values:?}");
+    }
+    let missing = ["--at: preload is missing, which has 15 values"];
+    place.run("report three --at rotating_speed=15").refused(64, &missing);
+    place.run("submit three.toml --out three --at rotating_speed=15").refused(64, &missing);
+    place.write("wrong.toml", &format!("{JOB}{}", asked.replace("preload = 0.1", "preload = 0.101")));
+    place
+        .run("check wrong.toml")
+        .refused(65, &["wrong.toml:18", "target.at: preload has no value 0.101 on the grid; the nearest is 0.1"]);
 }
 
 /// What an answer claims, "P < 5 % for preload up to 0.02": the limit, the column, and the values for which it says so.

@@ -31,7 +31,7 @@ pub use self::plot::{PlotArguments, PlotQuantity};
 pub use self::reduction::ReduceArguments;
 pub use self::start::StartArgument;
 pub use self::threads::ThreadsArgument;
-use self::values::{html_file, parquet_file, probability, seed, whole_number};
+use self::values::{axis_value, html_file, parquet_file, probability, seed, whole_number};
 use crate::export::format::Format;
 use crate::messages::Form;
 use crate::schedule::plan::Shard;
@@ -138,9 +138,12 @@ pub struct SubmitArguments {
     /// Samples in each cell (with until: at most), in place of the job's; more than a finished run has extend it
     #[arg(long, value_name = "N", value_parser = whole_number, allow_negative_numbers = true)]
     pub samples: Option<u64>,
-    /// Say first up to which values the probability is below this one, in place of the job's target
+    /// Say first whether the probability is below this one, in place of the job's target
     #[arg(long, value_name = "P", value_parser = probability, allow_negative_numbers = true)]
     pub target: Option<f64>,
+    /// Say first what holds at this operating point, for example rotating_speed=15; may be given for several axes
+    #[arg(long, value_name = "AXIS=VALUE", value_parser = axis_value)]
+    pub at: Vec<(String, f64)>,
     /// Compute only one of N shards, to be merged later; I counts from 1 to N or from 0 to N-1
     #[arg(long, value_name = "I/N")]
     pub shard: Option<Shard>,
@@ -263,6 +266,12 @@ pub struct ReportArguments {
     /// The file to write [default: report.html in the run directory, of several runs in the current one]
     #[arg(long, value_name = "FILE.html", value_parser = html_file)]
     pub out: Option<PathBuf>,
+    /// Say first whether the probability is below this one, in place of the job's target
+    #[arg(long, value_name = "P", value_parser = probability, allow_negative_numbers = true)]
+    pub target: Option<f64>,
+    /// Say first what holds at this operating point, for example rotating_speed=15; may be given for several axes
+    #[arg(long, value_name = "AXIS=VALUE", value_parser = axis_value)]
+    pub at: Vec<(String, f64)>,
     #[command(flatten)]
     pub threads: ThreadsArgument,
 }

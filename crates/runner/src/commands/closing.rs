@@ -11,6 +11,7 @@ use crate::failure::Failure;
 use crate::job::{Computed, Job, MapUse};
 use crate::output::{counted, result, shown, wrapped};
 use crate::picture::answer::answer;
+use crate::picture::asked_cell::KnownCell;
 use crate::picture::exceptions::Exceptions;
 use crate::picture::picture;
 use crate::store::directory::RunDirectory;
@@ -33,6 +34,7 @@ pub fn report(
     limits: Option<&RunLimits>,
 ) -> Result<(), Failure> {
     let summary = Summary::new(surface);
+    let asked = job.asked_cell().map(|cell| KnownCell::from(&surface.row(cell)));
     let line = closing_line(&directory.surface(), job, &summary) + limits.map_or("", |limits| &limits.line);
     let notes = [
         summary.exceptions.sentences(job).into_iter().map(|sentence| sentence + "\n").collect(),
@@ -42,7 +44,7 @@ pub fn report(
         outdated::line(&outdated::outdated(directory), directory.path()),
     ]
     .concat();
-    result(&format!("{}{}{line}{notes}", picture(surface), wrapped(&answer(job, &summary.estimates))))?;
+    result(&format!("{}{}{line}{notes}", picture(surface), wrapped(&answer(job, &summary.estimates, asked.as_ref()))))?;
     if let Some(why) = limits.and_then(|limits| limits.contradiction.clone()) {
         return Err(Failure::Audit(why));
     }

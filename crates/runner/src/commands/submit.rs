@@ -28,8 +28,8 @@ pub fn submit(arguments: &SubmitArguments, interrupt: &Interrupt) -> Result<(), 
     let shard = arguments.shard;
     let overrides = Overrides { seed: arguments.seed, samples: arguments.samples };
     let source = JobSource::read(&arguments.job)?.with(overrides)?;
-    let job = source.job()?;
-    let target = job.target;
+    let job = source.job()?.asked(arguments.target, &arguments.at)?;
+    let (target, operating_point) = (job.target, job.operating_point);
     warn(job.warnings());
     if arguments.map_only && !job.uses_maps() {
         return Err(Failure::Usage(format!("--map-only: {WITHOUT_MAP}")));
@@ -54,7 +54,7 @@ pub fn submit(arguments: &SubmitArguments, interrupt: &Interrupt) -> Result<(), 
             }
             let (job, state) = adopt(&directory, &source, job)?;
             let job = with_limits_of(&directory, job, &source)?;
-            let job = Job { target: arguments.target.or(target), ..job };
+            let job = Job { target, operating_point, ..job };
             (directory, job, state)
         }
     };

@@ -58,6 +58,8 @@ mod limit_axis;
 
 mod limit;
 
+mod operating_point;
+
 mod validation;
 
 mod normalised;

@@ -47,6 +47,8 @@ pub struct Job {
     pub limit: Option<LimitRequest>,
     /// Which probability the summary answers first.
     pub target: Option<f64>,
+    /// The cell of the operating point that it answers first.
+    pub operating_point: Option<u64>,
 }
 
 impl Job {

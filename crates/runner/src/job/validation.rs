@@ -13,6 +13,7 @@ use super::limit::requested;
 use super::limit_request::LimitRequest;
 use super::method::{Answer, Sampling};
 use super::model::{Draft, OutsidePhysics, Parts};
+use super::operating_point::operating_point;
 use super::random::RandomInputSet;
 use super::scatter::Names;
 use super::spec::JobSpec;
@@ -69,12 +70,14 @@ pub fn validate(spec: &JobSpec, mut draft: Box<dyn Draft>, folder: &Path, compla
         sampling: sampling?,
         limit: None,
         target,
+        operating_point: None,
     };
     let fitting = fits_a_map(&job, spec).and_then(|()| fits_in_memory(&job));
     complaints.take(fitting)?;
     let limit = spec.limit.as_ref().map(|limit| requested(limit, &job)).transpose();
     let limit = complaints.take(limit)?.flatten();
-    Some(Job { limit, ..job })
+    let operating_point = complaints.take(operating_point(spec.target.as_ref(), &job))?;
+    Some(Job { limit, operating_point, ..job })
 }
 
 fn validate_name(name: Option<&Spanned<String>>, complaints: &mut Complaints) -> Option<String> {

@@ -5,15 +5,27 @@ use std::collections::BTreeMap;
 use stickslip_sampler::estimate::interval::Estimate;
 
 use crate::job::Job;
+use crate::output::counted;
+use crate::picture::asked_cell::KnownCell;
 use crate::picture::view::{GridView, ViewAxis, probability, rounded};
 
 /// Probabilities that the answer asks for.
 const LIMITS: [f64; 3] = [0.01, 0.05, 0.5];
 
+/// What holds in the cell that is asked about, if one is, and in all cells, if there are several: a sentence a line.
+pub fn answer(job: &Job, cells: &[Estimate], asked: Option<&KnownCell>) -> String {
+    let asked = asked.zip(job.asked_cell()).map(|(known, cell)| known.sentences(job, cell));
+    let mut text: String = asked.into_iter().flatten().map(|sentence| sentence + "\n").collect();
+    if cells.len() > 1 {
+        text += &of_all(job, cells);
+    }
+    text
+}
+
 /// Up to which value of an axis the probability is surely below the target of the job, by the upper ends of its intervals.
 /// Without a target, the range of the probability and the same for the limits. Without scatter, in how many cells steady
 /// sliding is kept.
-pub fn answer(job: &Job, cells: &[Estimate]) -> String {
+fn of_all(job: &Job, cells: &[Estimate]) -> String {
     let total = cells.len();
     if job.random.scatters_nothing() {
         let stable = cells.iter().filter(|cell| cell.probability == Some(0.0)).count();
@@ -24,7 +36,7 @@ pub fn answer(job: &Job, cells: &[Estimate]) -> String {
     if let Some(target) = job.target {
         return of_target(job, &view, &high, target);
     }
-    let mut text = range(job, cells);
+    let mut text = range(cells);
     let long = [view.vertical(), view.horizontal()].into_iter().flatten();
     if let Some((axis, ends)) =
         long.map(|axis| (axis, ends(axis, &high, &LIMITS))).find(|(_, ends)| ends.iter().any(Option::is_some))
@@ -43,23 +55,16 @@ pub fn answer(job: &Job, cells: &[Estimate]) -> String {
     text
 }
 
-/// The probability of a single cell with its interval; the smallest and the largest one of several.
-fn range(job: &Job, cells: &[Estimate]) -> String {
+/// The smallest and the largest probability.
+fn range(cells: &[Estimate]) -> String {
     const NAME: &str = "P, the probability of instability";
     let known = || cells.iter().filter_map(|cell| cell.probability);
     let (Some(least), Some(largest)) = (known().reduce(f64::min), known().reduce(f64::max)) else {
-        let of = if cells.len() == 1 { "the cell" } else { "any cell" };
-        return format!("{NAME}, is not known of {of}.\n");
+        return format!("{NAME}, is not known of any cell.\n");
     };
     let [least, largest] = [least, largest].map(probability);
-    match cells {
-        [only] => {
-            let interval = job.sampling.method.interval(&job.sampling);
-            format!("{NAME}: {least} ({interval}: {} to {}).\n", probability(only.low), probability(only.high))
-        }
-        _ if least == largest => format!("{NAME}: {least} in {} cells.\n", known().count()),
-        _ => format!("{NAME}: {least} to {largest} in {} cells.\n", known().count()),
-    }
+    let range = if least == largest { least } else { format!("{least} to {largest}") };
+    format!("{NAME}: {range} in {}.\n", counted(known().count() as u128, "cell", "cells"))
 }
 
 /// The axes that what is said of one holds for all values of: ", whatever the static friction"; nothing where it is the only
@@ -100,11 +105,7 @@ const MOST_LINES: usize = 12;
 fn of_target(job: &Job, view: &GridView, high: &[f64], target: f64) -> String {
     let below = format!("P < {}", percent(target));
     let sure = job.sampling.method.upper_ends(&job.sampling);
-    let Some(axis) = view.vertical().or(view.horizontal()) else {
-        let is_met = high.first().is_some_and(|high| *high < target);
-        let found = if is_met { "is" } else { "is not surely" };
-        return format!("Probability of instability P {found} below {} ({sure}).\n", percent(target));
-    };
+    let Some(axis) = view.vertical().or(view.horizontal()) else { return String::new() };
     let said = |end: Option<End>| end.map_or(format!("for no {}", axis.key()), |end| end.text(axis));
     let [all] = ends(axis, high, &[target])[..] else { return String::new() };
     let is_sliced = view.slices() > 1;
@@ -194,18 +195,18 @@ mod tests {
         let job = job("rotating_speed = 15.0\npreload = [0.1, 0.2, 0.3, 0.4]\nstatic_friction = [0.3, 0.4, 0.5]");
         let high = [0.0, 0.001, 0.004, 0.001, 0.02, 0.03, 0.1, 0.2, 0.49, 0.3, 0.6, 0.9];
         assert_eq!(
-            answer(&job, &cells(&high)),
+            answer(&job, &cells(&high), None),
             "P, the probability of instability: 0.0000 to 0.4500 in 12 cells.\n\
              P < 1 % for preload up to 0.1, P < 5 % for preload up to 0.2, P < 50 % for preload up to 0.3, whatever the static friction (upper ends of the 95 % intervals).\n"
         );
-        assert!(!answer(&job, &cells(&[0.9; 12])).contains("whatever"));
+        assert!(!answer(&job, &cells(&[0.9; 12]), None).contains("whatever"));
         assert_eq!(
-            answer(&job, &cells(&[0.004; 12])),
+            answer(&job, &cells(&[0.004; 12]), None),
             "P, the probability of instability: 0.0020 in 12 cells.\n\
              P < 1 % for every preload, whatever the static friction (upper ends of the 95 % intervals).\n"
         );
         assert_eq!(
-            answer(&job, &cells(&[f64::NAN; 12])),
+            answer(&job, &cells(&[f64::NAN; 12]), None),
             "P, the probability of instability, is not known of any cell.\n",
             "what is not known is not small"
         );
@@ -215,7 +216,7 @@ mod tests {
     fn the_target_is_answered_first() {
         let of = |axes: &str, high: &[f64]| {
             let job = Job { target: Some(0.05), ..job(axes) };
-            answer(&job, &cells(high))
+            answer(&job, &cells(high), None)
         };
         let axes = "rotating_speed = 15.0\npreload = [0.1, 0.2, 0.3]\nstatic_friction = 0.4";
         assert_eq!(
@@ -233,15 +234,12 @@ mod tests {
             text.contains("P < 5 % for every preload, whatever the rotating speed and static friction ("),
             "{text}"
         );
-        let single = "rotating_speed = 15.0\npreload = 0.1\nstatic_friction = 0.4";
-        assert!(of(single, &[0.04]).starts_with("Probability of instability P is below 5 % (upper"));
-        assert!(of(single, &[0.06]).starts_with("Probability of instability P is not surely below 5 % (upper"));
     }
 
     #[test]
     fn the_probability_may_be_small_from_a_value_on() {
         let job = job("rotating_speed = [10.0, 20.0, 30.0]\npreload = 0.1\nstatic_friction = 0.4");
-        assert!(answer(&job, &cells(&[0.9, 0.03, 0.002])).contains(
+        assert!(answer(&job, &cells(&[0.9, 0.03, 0.002]), None).contains(
             "P < 1 % for rotating speed from 30 rad/s, P < 5 % for rotating speed from 20 rad/s, P < 50 % for rotating speed from 20 rad/s (upper ends of the 95 % intervals).\n"
         ));
     }
@@ -249,7 +247,7 @@ mod tests {
     #[test]
     fn values_of_an_axis_need_not_rise() {
         let job = job("rotating_speed = [30.0, 10.0, 20.0]\npreload = 0.1\nstatic_friction = 0.4");
-        let text = answer(&job, &cells(&[0.002, 0.9, 0.03]));
+        let text = answer(&job, &cells(&[0.002, 0.9, 0.03]), None);
         assert!(
             text.contains("P < 1 % for rotating speed from 30 rad/s, P < 5 % for rotating speed from 20 rad/s"),
             "{text}"
@@ -257,12 +255,28 @@ mod tests {
     }
 
     #[test]
-    fn a_single_cell_has_its_own_sentence() {
-        let job = job("rotating_speed = 15.0\npreload = 0.1\nstatic_friction = 0.4");
+    fn the_cell_that_is_asked_about_comes_first_and_a_single_one_alone() {
+        let known = KnownCell {
+            estimate: cells(&[0.04])[0],
+            samples: 10,
+            unstable: 1,
+            without_verdict: 0,
+            outside: 0,
+            plain: None,
+            unaudited: None,
+            distrust: 0,
+        };
+        let single = job("rotating_speed = 15.0\npreload = 0.1\nstatic_friction = 0.4");
+        let own = "P, the probability of instability, is 0.0200 (95 % interval: 0.0000 to 0.0400).\n\
+                   It rests on 10 samples, 1 of them unstable (method = \"monte-carlo\").\n";
+        assert_eq!(answer(&single, &cells(&[0.04]), Some(&known)), format!("At 15 rad/s: {own}"));
+        let several = job("rotating_speed = 15.0\npreload = [0.1, 0.2]\nstatic_friction = 0.4");
+        let all = answer(&several, &cells(&[0.04, 0.2]), None);
+        assert!(all.starts_with("P, the probability of instability: 0.0200 to 0.1000 in 2 cells.\n"), "{all}");
+        let asked = Job { operating_point: Some(0), ..several };
         assert_eq!(
-            answer(&job, &cells(&[0.04])),
-            "P, the probability of instability: 0.0200 (95 % interval: 0.0000 to 0.0400).\n"
+            answer(&asked, &cells(&[0.04, 0.2]), Some(&known)),
+            format!("At 15 rad/s, preload = 0.1: {own}{all}")
         );
-        assert_eq!(answer(&job, &cells(&[f64::NAN])), "P, the probability of instability, is not known of the cell.\n");
     }
 }

@@ -50,18 +50,8 @@ impl Exceptions {
 
     /// Why cells have no probability, by reason.
     fn without_probability(&self, job: &Job) -> Vec<String> {
-        let more = job.sampling.method.more();
-        let reasons = [
-            "no unstable sample was found, even with a larger scatter (or no stable one, where instability is frequent)"
-                .to_owned(),
-            format!("few samples have most of the probability; take more {more}"),
-            format!("independent populations disagree, so some have missed a region; take more {more}"),
-            "samples without a verdict are more probable than unstable ones, so that the populations say little".to_owned(),
-            "plain samples contradict p_low to p_high (n_audit and n_audit_unstable)".to_owned(),
-            "critical values leave too much open between p_low and p_high".to_owned(),
-        ];
         let cells = |count: u64| counted(count.into(), "cell", "cells");
-        let with_counts = reasons.into_iter().zip(self.distrusted).filter(|(_, count)| *count > 0);
+        let with_counts = reasons(job).into_iter().zip(self.distrusted).filter(|(_, count)| *count > 0);
         with_counts.map(|(why, count)| format!("p_unstable is null in {}: {why}", cells(count))).collect()
     }
 
@@ -106,8 +96,27 @@ impl Exceptions {
     }
 }
 
+/// Why a probability with this value in its column `distrust` is not to be trusted; none if nothing speaks against it.
+pub fn reason(job: &Job, distrust: u64) -> Option<String> {
+    reasons(job).into_iter().nth(usize::try_from(distrust.checked_sub(1)?).ok()?)
+}
+
+/// Why probabilities are not to be trusted, by the column `distrust` less one.
+fn reasons(job: &Job) -> [String; 6] {
+    let more = job.sampling.method.more();
+    [
+        "no unstable sample was found, even with a larger scatter (or no stable one, where instability is frequent)"
+            .to_owned(),
+        format!("few samples have most of the probability; take more {more}"),
+        format!("independent populations disagree, so some have missed a region; take more {more}"),
+        "samples without a verdict are more probable than unstable ones, so that the populations say little".to_owned(),
+        "plain samples contradict p_low to p_high (n_audit and n_audit_unstable)".to_owned(),
+        "critical values leave too much open between p_low and p_high".to_owned(),
+    ]
+}
+
 /// A share above 0 in per cent.
-fn share(share: f64) -> String {
+pub fn share(share: f64) -> String {
     match 100.0 * share {
         percent if percent < 0.01 => "less than 0.01 %".to_owned(),
         percent => format!("{percent:.2} %"),

@@ -26,6 +26,8 @@ pub mod terminal;
 
 pub mod exceptions;
 
+pub mod asked_cell;
+
 pub mod answer;
 
 /// Largest number of rows and columns of a picture; larger grids are thinned out.

@@ -2,8 +2,12 @@
 
 use std::path::Path;
 
+use stickslip_sampler::estimate::audit::PlainSamples;
+use stickslip_sampler::estimate::interval::Estimate;
+
 use crate::failure::Failure;
 use crate::job::Job;
+use crate::picture::asked_cell::KnownCell;
 use crate::picture::exceptions::Exceptions;
 use crate::plot::levels::Levels;
 use crate::tables::finished::{FinishedSurface, FinishedValues};
@@ -27,6 +31,10 @@ pub struct Values {
     pub outside: Vec<u64>,
     /// Why a cell has no probability, as the column of that name; 0 where there is none.
     pub distrust: Vec<u64>,
+    /// Plain samples beside each probability, where there are some.
+    pub plain: Option<Vec<PlainSamples>>,
+    /// The largest share of wrong looked-up verdicts that the audit does not exclude, where there is an audit.
+    pub unaudited: Option<Vec<Option<f64>>>,
     /// Its limits, if it has some.
     pub limits: Option<FinishedLimits>,
 }
@@ -52,13 +60,51 @@ impl Values {
             })
         };
         let (outside, distrust) = (counts_of("n_outside_physics")?, counts_of("distrust")?);
+        let plain = match surface.job.plain_samples() {
+            0 => None,
+            _ => Some(counts_of("n_audit")?.into_iter().zip(counts_of("n_audit_unstable")?)),
+        };
+        let plain = plain.map(|counts| counts.map(|(decided, unstable)| PlainSamples { decided, unstable }).collect());
+        let unaudited = match surface.columns(|name| name == "p_audit")?.pop().map(|column| column.values) {
+            Some(FinishedValues::Real(shares)) => Some(shares),
+            _ => None,
+        };
         let known = |column: Vec<Option<f64>>| column.into_iter().map(|value| value.unwrap_or(f64::NAN)).collect();
         let counts = |column: Vec<Option<f64>>| column.into_iter().map(|value| value.unwrap_or(0.0) as u64).collect();
         let [samples, unstable, undecided, failed] = [samples, unstable, undecided, failed].map(counts);
         let (low, high) = (known(low), known(high));
         let limits = FinishedLimits::read(run, &surface.job)?;
         let job = surface.job;
-        Ok(Self { job, probability, low, high, samples, unstable, undecided, failed, outside, distrust, limits })
+        Ok(Self {
+            job,
+            probability,
+            low,
+            high,
+            samples,
+            unstable,
+            undecided,
+            failed,
+            outside,
+            distrust,
+            plain,
+            unaudited,
+            limits,
+        })
+    }
+
+    /// What is known of a cell.
+    pub fn known(&self, cell: u64) -> KnownCell {
+        let cell = cell as usize;
+        KnownCell {
+            estimate: Estimate { probability: self.probability[cell], low: self.low[cell], high: self.high[cell] },
+            samples: self.samples[cell],
+            unstable: self.unstable[cell],
+            without_verdict: self.undecided[cell] + self.failed[cell],
+            outside: self.outside[cell],
+            plain: self.plain.as_ref().map(|plain| plain[cell]),
+            unaudited: self.unaudited.as_ref().and_then(|shares| shares[cell]),
+            distrust: self.distrust[cell],
+        }
     }
 
     /// Whether nothing scatters, so that all samples of a cell have one verdict.

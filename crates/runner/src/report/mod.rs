@@ -103,16 +103,20 @@ fn in_script(data: &Value) -> String {
     data.to_string().replace('<', "\\u003c")
 }
 
-/// The description and the answer of a run, with its name if there are several, and what `check` warns of.
+/// The answer of a run, with its name if there are several, its description, and what `check` warns of.
 fn answered(run: &ReportedRun, has_name: bool) -> String {
     let values = &run.values;
     let job = &values.job;
     let estimates: Vec<Estimate> = (0..values.probability.len())
         .map(|cell| Estimate { probability: values.probability[cell], low: values.low[cell], high: values.high[cell] })
         .collect();
+    let asked = job.asked_cell().map(|cell| values.known(cell));
+    let answer = answer(job, &estimates, asked.as_ref());
+    let (first, rest) = answer.split_once('\n').unwrap_or((answer.as_str(), ""));
     heading(run, has_name)
+        + &element("p", "class=\"verdict\"", first)
+        + &element("p", "class=\"answer\"", rest.trim_end())
         + &element("p", "class=\"note\"", &job.description)
-        + &element("p", "class=\"answer\"", answer(job, &estimates).trim_end())
         + &values
             .exceptions()
             .sentences(job)

@@ -122,6 +122,8 @@ impl ReportedRun {
             "axes": axes,
             "vertical": vertical,
             "horizontal": horizontal,
+            // Where the selected point is first.
+            "at": job.operating_point.map(|cell| view.axes().iter().map(|axis| axis.position(cell)).collect::<Vec<_>>()),
             "p": probability.iter().map(|p| p.map(round)).collect::<Vec<_>>(),
             "low": low.iter().map(rounded).collect::<Vec<_>>(),
             "high": high.iter().map(rounded).collect::<Vec<_>>(),

@@ -12,8 +12,9 @@ const views = [
   })),
 ];
 let view = views[0];
-const middle = (run) => run.axes.map((axis) => Math.floor((axis.values.length - 1) / 2));
-let place = middle(view.run);
+// The point that is selected first: the one that is asked about, or the middle.
+const start = (run) => run.at ?? run.axes.map((axis) => Math.floor((axis.values.length - 1) / 2));
+let place = start(view.run);
 
 function cellAt(run, at) {
   return at.reduce((cell, position, i) => cell * run.axes[i].values.length + position, 0);
@@ -355,7 +356,7 @@ function addControls() {
 
 function show(wanted) {
   if (!sameAxes(wanted.run, view.run)) {
-    place = middle(wanted.run);
+    place = start(wanted.run);
     ["map", "along-horizontal", "along-vertical"].forEach((id) => Plotly.purge(id));
     view = wanted;
     addControls();
