@@ -25,7 +25,7 @@ def close(shown, expected):
 
 def numbers_of(text):
     """Expected values, P, interval and counts, as the page shows them."""
-    found = re.search(r"P = (\S+) \(.*?interval: (\S+) to (\S+)\); (\d+) of (\d+) samples unstable", text)
+    found = re.search(r"P = ([\d.e-]+)\s*\(.*?interval: (\S+) to (\S+)\);\s*(\d+) of (\d+) samples unstable", text)
     assert found, text
     return [float(number) for number in found.groups()]
 
@@ -57,6 +57,37 @@ def click_on_map(page, right, up):
     page.wait_for_timeout(400)
 
 
+# The boxes of parts of the plots on a page, as far as they are seen: left, top, right, bottom.
+BOXES = """([plots, parts]) => [...document.querySelectorAll(plots)].filter((plot) => plot.offsetParent).map((plot) =>
+  [...plot.querySelectorAll(parts)].filter((part) => part.textContent || !part.matches("text")).map((part) => {
+    const box = part.getBoundingClientRect();
+    return [box.left, box.top, box.right, box.bottom];
+  }).filter(([left, top, right, bottom]) => left < right && top < bottom))"""
+
+
+def check_room(page, name):
+    """Nothing covers a plot, no label another one, and pictures have the size of their letters in any window."""
+
+    def boxes(parts, plots=".plot.js-plotly-plot"):
+        return page.evaluate(BOXES, [plots, parts])
+
+    panels, bars, legends = boxes(".nsewdrag"), boxes(".modebar-group"), boxes(".legend .bg")
+    assert panels and all(map(len, panels)) and all(map(len, bars)), (name, panels, bars)
+    for [(_, top, _, bottom)], bar, legend in zip(panels, bars, legends):
+        assert all(of[3] <= top + 1 for of in bar), f"{name}: a tool bar ends at {bar}, the plot begins at {top}"
+        assert all(of[1] >= bottom for of in legend), f"{name}: a legend begins at {legend}, the plot ends at {bottom}"
+    [labels] = boxes(".textpoint text", "#map")
+    assert len(labels) > 1, (name, labels)
+    for i, a in enumerate(labels):
+        for b in labels[:i]:
+            apart = a[2] <= b[0] or b[2] <= a[0] or a[3] <= b[1] or b[3] <= a[1]
+            assert apart, f"{name}: labels of lines at {a} and {b}"
+    scales = page.evaluate(
+        "[...document.querySelectorAll('.picture svg')].map((of) => of.getBoundingClientRect().width / of.viewBox.baseVal.width)"
+    )
+    assert all(scale > 0.99 for scale in scales), f"{name}: pictures are scaled by {scales}"
+
+
 def listening(page):
     """What the page complains about or asks for; Plotly makes blobs."""
     return listen(page, lambda message: message.type in ("error", "warning"), ("file:", "data:", "blob:"))
@@ -72,6 +103,7 @@ def check(page, name):
         " - document.querySelector('#map .main-svg').getBoundingClientRect().bottom"
     )
     assert overlap >= -1, f"{name}: the map covers {-overlap} pixels of the text below it"
+    check_room(page, name)
     if screenshots:
         page.screenshot(path=f"{screenshots[0]}/{name}.png", full_page=True)
 
@@ -127,6 +159,7 @@ def check_two(page, name):
     page.goto(url_of_two)
     page.wait_for_selector("#map .nsewdrag")
     fits(page, name)
+    check_room(page, name)
     buttons = page.locator("#controls input[type=radio]")
     assert buttons.count() == 3
     assert page.locator("#along-horizontal .legendtext").all_text_contents() == ["drawn", "other"]

@@ -48,6 +48,17 @@ function described(cell) {
   return `P = ${number(run.p[cell])} (${run.interval_name}: ${interval})${counts}${apart(cell)}`;
 }
 
+// What is said of a cell in lines that fit in a narrow window.
+const inLines = (text) => text.replace(" (", "<br>(").replaceAll("; ", ";<br>");
+
+// A title in lines of few letters.
+function inShortLines(title) {
+  return title.split(" ").reduce((text, word) => {
+    const last = text.slice(text.lastIndexOf(">") + 1);
+    return text + (last.length + word.length < 14 ? " " : "<br>") + word;
+  });
+}
+
 // The shares of the samples of a cell that lie outside the model or have no verdict.
 function apart(cell) {
   const { apart: shares } = view.run;
@@ -91,7 +102,9 @@ function layout(x, y, extra) {
   const axis = (of) => ({ title: { text: of }, gridcolor: line, linecolor: line, zeroline: false, automargin: true });
   return {
     paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)", font: { color: text, size: 12 },
-    margin: { l: 60, r: 20, t: 20, b: 50 }, showlegend: false, hovermode: "closest",
+    // Above a plot is its tool bar, below it its legend.
+    margin: { l: 60, r: 20, t: 34, b: 50 }, showlegend: false, hovermode: "closest",
+    legend: { orientation: "h", x: 0, y: -0.35, yanchor: "top" },
     xaxis: axis(x), yaxis: axis(y), ...extra,
   };
 }
@@ -105,10 +118,10 @@ function probabilityTraces(x, y, cells, text) {
   const band = (p) => (p === null ? null : run.levels.filter((level) => level <= p).length + 0.5);
   const z = cells.map((row) => row.map((cell) => run.p[cell]));
   const first = cellWith(run, { [run.vertical]: 0, [run.horizontal]: 0 });
-  const lines = run.lines.filter((line) => line.first === first).map((line, i, all) => {
+  const taken = [];
+  const lines = run.lines.filter((line) => line.first === first).map((line) => {
     const ink = line.is_limit ? "#e01030" : line.level > 0.6 ? "#fff" : "#000";
-    // Labels of lines beside each other stand at different places along them.
-    const labelled = Math.floor((line.x.length - 1) * (i + 1) / (all.length + 1));
+    const labelled = labelPlace(line, taken);
     return {
       type: "scatter", mode: "lines+text", x: line.x, y: line.y, hoverinfo: "skip",
       line: { color: ink, width: line.is_wide ? 2.5 : 1 }, textposition: "top left", textfont: { size: 10, color: ink },
@@ -123,6 +136,23 @@ function probabilityTraces(x, y, cells, text) {
       title: { text: "P" }, tickvals: run.levels.map((_, i) => i + 1), ticktext: run.level_names, tickfont: { size: 10 },
     },
   }, ...lines, ...crosses(x, y, cells)];
+}
+
+// Where along a line its label stands: near its middle, but apart from the labels that are `taken`, in shares of the map.
+const APART = 0.2;
+function labelPlace(line, taken) {
+  const { run } = view;
+  const shares = (axis, values) => {
+    const { type, range: [from, to] } = ends(axis);
+    return values.map((at) => ((type === "log" ? Math.log10(at) : at) - from) / (to - from));
+  };
+  const x = shares(run.axes[run.horizontal], line.x), y = shares(run.axes[run.vertical], line.y);
+  const room = x.map((_, i) => taken.reduce((least, [u, v]) => Math.min(least, Math.hypot(x[i] - u, y[i] - v)), APART));
+  const offMiddle = (i) => Math.abs(i - (x.length - 1) / 2);
+  const isBetter = (i, best) => room[i] > room[best] || (room[i] === room[best] && offMiddle(i) < offMiddle(best));
+  const place = x.reduce((best, _, i) => (isBetter(i, best) ? i : best), 0);
+  taken.push([x[place], y[place]]);
+  return place;
 }
 
 // Crosses where many samples of a cell lie outside the model or have no verdict.
@@ -184,7 +214,7 @@ function drawMap() {
   const { run } = view;
   const across = run.axes[run.horizontal], up = run.axes[run.vertical];
   const cells = cellsOfMap();
-  const describedAt = (cell, i, j) => `${named(up, i)}<br>${named(across, j)}<br>${described(cell)}`;
+  const describedAt = (cell, i, j) => `${named(up, i)}<br>${named(across, j)}<br>${inLines(described(cell))}`;
   const text = cells.map((row, i) => row.map((cell, j) => describedAt(cell, i, j)));
   const drawn = view.comparison ? differenceTraces : run.verdicts ? verdictTraces : probabilityTraces;
   const traces = drawn(across.values, up.values, cells, text);
@@ -260,7 +290,7 @@ function drawSection(target, index) {
     })),
     { x: axis.values, y: cells.map(value), mode: "lines+markers", line: { color: LINES[0], width: 2 },
       marker: { size: 5 }, name: run.path,
-      text: cells.map((cell, i) => `${named(axis, i)}<br>${described(cell)}`),
+      text: cells.map((cell, i) => `${named(axis, i)}<br>${inLines(described(cell))}`),
       hovertemplate: "%{text}<extra></extra>" },
     { x: [axis.values[place[index]]], y: [value(cellAt(run, place))], mode: "markers", hoverinfo: "skip",
       marker: marker(), showlegend: false },
@@ -268,7 +298,7 @@ function drawSection(target, index) {
   const sides = layout(heading(axis), view.comparison ? "Difference of P" : "Probability of instability P");
   if (axis.logarithmic) sides.xaxis.type = "log";
   sides.yaxis.rangemode = "tozero";
-  if (others.length) Object.assign(sides, { showlegend: true, legend: { orientation: "h", y: 1.15 } });
+  sides.showlegend = others.length > 0;
   Plotly.react(target, traces, sides, config);
 }
 
@@ -285,8 +315,9 @@ function drawSensitivity() {
       error_y: { type: "data", array: inputs.map((input) => 1.96 * input[`${column}_error`][cell]), color: colour("--text") },
       marker: { color: fill }, hovertemplate: "%{x}: %{y:.4g}<extra></extra>",
     });
-    const sides = layout("", `Sobol index of the ${of}`,
-      { showlegend: true, barmode: "group", legend: { orientation: "h", y: 1.1 } });
+    const sides = layout("", `Sobol index of the ${of}`, { showlegend: true, barmode: "group" });
+    const names = inputs.map(({ input }) => input);
+    Object.assign(sides.xaxis, { tickvals: names, ticktext: names.map(inShortLines) });
     sides.yaxis.rangemode = "tozero";
     const shown = [bars("first order", "first_order", LINES[0]), bars("total", "total", LINES[4])];
     Plotly.react(target.children[i], shown, sides, config);
