@@ -34,7 +34,7 @@ def check_selected(page, rows):
     """The sentence below the map is that of one row."""
     text = page.inner_text("#selected")
     preload = float(re.search(r"Preload Δ = ([^,]+)", text).group(1))
-    friction = float(re.search(r"fₛ = ([^,]+)", text).group(1))
+    friction = float(re.search(r"fs = ([^,]+)", text).group(1))
     near = (rows.preload - preload).abs() + (rows.static_friction - friction).abs()
     row = rows.loc[near.idxmin()]
     close(preload, row.preload)
@@ -165,13 +165,13 @@ def check_two(page, name):
     assert page.locator("#along-horizontal .legendtext").all_text_contents() == ["drawn", "other"]
 
     click_on_map(page, 0.3, 0.6)
-    preload, friction = re.search(r"Preload Δ = ([^,]+), .*fₛ = ([^,]+),", page.inner_text("#selected")).groups()
+    preload, friction = re.search(r"Preload Δ = ([^,]+), .*fs = ([^,]+),", page.inner_text("#selected")).groups()
     row = nearest(first, preload, friction)
     page.click("#sensitivity-section summary")
     page.wait_for_selector("#sensitivity-section td")
     table = [line.split("\t") for line in page.inner_text("#sensitivity-section table").splitlines()]
     names = ["preload", "static_friction", "damping.tangential"]
-    assert [line[0] for line in table[1:]] == ["Preload Δ", "Static friction coefficient fₛ", "Tangential damping of the pad c_x"]
+    assert [line[0] for line in table[1:]] == ["Preload Δ", "Static friction coefficient fs", "Tangential damping of the pad cx"]
     for of, (_, *shown) in zip(names, table[1:]):
         for number, column in zip(shown, ["first_order_{}", "first_order_{}_error", "total_{}", "total_{}_error"]):
             close(number, row[column.format(of)])
@@ -183,7 +183,7 @@ def check_two(page, name):
     for right, up in [(0.2, 0.3), (0.5, 0.5), (0.9, 0.9)]:
         click_on_map(page, right, up)
         text = page.inner_text("#selected")
-        preload, friction = re.search(r"Preload Δ = ([^,]+), .*fₛ = ([^,]+),", text).groups()
+        preload, friction = re.search(r"Preload Δ = ([^,]+), .*fs = ([^,]+),", text).groups()
         row = nearest(differences, preload, friction)
         shown = re.search(r"difference = (\S+) \(.*together: (\S+) to (\S+)\); P = (\S+) and (\S+)$", text).groups()
         for number, column in zip(shown, ["difference", "difference_low", "difference_high", "p_second", "p_first"]):

@@ -58,13 +58,13 @@ fn a_surface_is_drawn_as_svg_and_png_with_its_axes_levels_and_boundary() {
     let svg = fs::read_to_string(place.path("plane/surface.svg")).unwrap();
     for text in [
         "Preload Δ",
-        "Static friction coefficient fₛ",
+        "Static friction coefficient f<tspan",
         "Probability of instability",
         ">0.01<",
         ">0.05<",
         ">0.95<",
         "15 rad/s; relative std: preload 0.2, friction 0.2",
-        "dashed: stability boundary of the expected values",
+        "dashed: stability boundary of the expected values.<",
     ] {
         assert!(svg.contains(text), "{text}");
     }
@@ -205,7 +205,7 @@ fn sobol_indices_are_bars_of_first_order_and_total_with_their_intervals() {
     let svg = fs::read_to_string(place.path("which/sobol.svg")).unwrap();
     for text in [
         "Preload Δ",
-        "Static friction coefficient fₛ",
+        "Static friction coefficient f<tspan",
         "Share of the variance",
         ">cell 1: P = 0.",
         ">15 rad/s, preload = 0.08<",
@@ -260,7 +260,7 @@ fn the_difference_of_two_runs_is_a_map_with_its_line_of_zero_and_hatching() {
     let svg = fs::read_to_string(place.path("plane/difference.svg")).unwrap();
     for text in [
         "Preload Δ",
-        "Static friction coefficient fₛ",
+        "Static friction coefficient f<tspan",
         ">Difference of probability<",
         ">+0.01<",
         ">−0.5<",
@@ -347,7 +347,7 @@ fn a_verdict_map_has_a_panel_for_each_brake_with_its_regions_and_tiles() {
         ">12 rad/s<",
         ">18 rad/s<",
         "Preload Δ",
-        "Static friction coefficient fₛ",
+        "Static friction coefficient f<tspan",
         ">stable<",
         ">unstable<",
         "dots: expected values of the cells",
@@ -595,7 +595,8 @@ fn the_inputs_and_samples_of_a_job_are_seen_before_it_is_run() {
         ">correlation 0.6<",
         "Mass of the pad M (kg)",
         ">outside the model<",
-        "of them lie outside the model: preload at or below 0, or f_s &lt; f_c",
+        "of them lie outside the model: preload at or below 0, or f<tspan",
+        ">c</tspan><tspan dy=\"-1.54\">.</tspan>",
     ] {
         assert!(inputs.contains(text), "{text}");
     }

@@ -517,7 +517,7 @@ fn a_report_says_what_its_numbers_rest_on() {
     assert!(all > 0.0);
     for text in [
         &format!("({:.2} %, in one cell up to", 100.0 * all / (540.0 * 2000.0)),
-        "lie outside the model: preload at or below 0, or f_s &lt; f_c; they count as stable",
+        "lie outside the model: preload at or below 0, or f<sub>s</sub> &lt; f<sub>c</sub>; they count as stable",
         "<dt>Scatter</dt><dd >relative std: preload 0.2, friction 0.2</dd>",
         "<dt>Criterion</dt><dd >kind = &quot;eigenvalue&quot;</dd>",
         "samples = 2000, seed = 1</dd>",

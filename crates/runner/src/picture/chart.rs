@@ -78,7 +78,7 @@ pub struct Chart {
     pub marks: Option<Marks>,
     /// Whether a line is drawn where the vertical axis is zero.
     pub has_zero_line: bool,
-    /// A line below the drawing at the terminal; empty for none.
+    /// A line below the drawing at the terminal, and in the legend of a plot; empty for none.
     pub note: String,
 }
 

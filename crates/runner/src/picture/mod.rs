@@ -7,7 +7,7 @@ use crate::picture::chart::{Chart, ChartAxis, Form, Series};
 use crate::picture::panels::MOST_PANELS;
 use crate::picture::scale::Scale;
 use crate::picture::terminal::drawn;
-use crate::picture::title::capitalised;
+use crate::picture::title::{capitalised, own_name};
 use crate::picture::view::{GridView, Slice, ViewAxis, is_family, label, probability, rounded};
 use crate::tables::row::SurfaceRow;
 use crate::tables::surface::Surface;
@@ -358,8 +358,12 @@ fn curves(
     let job = surface.job();
     let title = format!("Probability of instability{}", slice.title(job));
     // The keys of the model stay as they are written.
-    let key = along.key();
-    let name = if key.contains('.') { key.to_owned() } else { capitalised(key) };
+    let own = along.quantity.and_then(|place| own_name(job.quantity(place)));
+    let name = match (own, along.key()) {
+        (Some(own), _) => own.to_owned(),
+        (None, key) if key.contains('.') => key.to_owned(),
+        (None, key) => capitalised(key),
+    };
     let horizontal = ChartAxis::new(&name, along.unit(), Scale::for_values(&along.values));
     let vertical = ChartAxis::new("P", "", Scale::linear(0.0, top));
     let mut chart = Chart::new(title, horizontal, vertical, series);

@@ -194,19 +194,47 @@ fn dense(line: &[Place], most: f64) -> Vec<Place> {
     points
 }
 
-/// A line with its label, in ink of its own, in a gap, where the line is long enough and no other label is near.
-pub fn labelled_line(
+/// A line with a label, which has ink of its own.
+pub struct LabelledLine {
+    pub points: Vec<Place>,
+    pub label: String,
+    pub pen: Pen,
+    pub ink: Rgb,
+}
+
+/// How far a label is from other lines, where there is such a place, and how far points of these are from each other.
+const CLEARANCE: f64 = (SMALL - 2) as f64;
+const NEAR: f64 = 3.0;
+
+/// Draws the lines of a panel with their labels.
+pub fn labelled_lines(canvas: &mut Canvas, panel: &Panel, lines: &[LabelledLine]) {
+    let points: Vec<Vec<Place>> = lines.iter().map(|line| dense(&line.points, NEAR)).collect();
+    let mut labels = Vec::new();
+    for (number, line) in lines.iter().enumerate() {
+        let clearance = |place: Place| {
+            let others = points.iter().enumerate().filter(|(other, _)| *other != number);
+            others.flat_map(|(_, points)| points).map(|other| distance(*other, place)).fold(CLEARANCE, f64::min)
+        };
+        labelled_line(canvas, panel, line, clearance, &mut labels);
+    }
+}
+
+fn distance(a: Place, b: Place) -> f64 {
+    libm::hypot(a.0 - b.0, a.1 - b.1)
+}
+
+/// A line with its label in a gap, where the line is long enough and no other label is near: where the `clearance` from other
+/// lines is largest, and there as near to its middle as can be.
+fn labelled_line(
     canvas: &mut Canvas,
     panel: &Panel,
-    line: &[Place],
-    text: &str,
-    (pen, ink): (Pen, Rgb),
+    LabelledLine { points, label, pen, ink }: &LabelledLine,
+    clearance: impl Fn(Place) -> f64,
     labels: &mut Vec<Place>,
 ) {
     let size = SMALL - 2;
-    let gap = width_of(text, size) + 4.0;
-    let distance = |a: Place, b: Place| libm::hypot(a.0 - b.0, a.1 - b.1);
-    let line = &dense(line, 0.25 * gap);
+    let gap = width_of(label, size) + 4.0;
+    let line = &dense(points, 0.25 * gap);
     let length: f64 = line.windows(2).map(|pair| distance(pair[0], pair[1])).sum();
     // Not at the edges, and away from other labels.
     let inner = Panel {
@@ -218,21 +246,26 @@ pub fn labelled_line(
     let is_free =
         |place: Place| inner.contains(place) && labels.iter().all(|label| distance(*label, place) > 1.5 * gap);
     let mut walked = 0.0;
-    let mut best: Option<(f64, Place)> = None;
+    let mut best: Option<(f64, f64, Place)> = None;
     for pair in line.windows(2) {
         walked += distance(pair[0], pair[1]);
         let from_middle = (walked - 0.5 * length).abs();
-        if is_free(pair[1]) && best.is_none_or(|(other, _)| from_middle < other) {
-            best = Some((from_middle, pair[1]));
+        if !is_free(pair[1]) {
+            continue;
+        }
+        let clear = clearance(pair[1]);
+        let is_better = |(other, off, _): (f64, f64, Place)| clear > other || (clear >= other && from_middle < off);
+        if best.is_none_or(is_better) {
+            best = Some((clear, from_middle, pair[1]));
         }
     }
-    let Some((_, middle)) = best.filter(|_| length > 2.5 * gap) else {
-        canvas.lines(line, pen);
+    let Some((_, _, middle)) = best.filter(|_| length > 2.5 * gap) else {
+        canvas.lines(line, *pen);
         return;
     };
     labels.push(middle);
     let is_outside = |place: &Place| distance(*place, middle) > 0.5 * gap;
-    line.split(|place| !is_outside(place)).for_each(|part| canvas.lines(part, pen));
+    line.split(|place| !is_outside(place)).for_each(|part| canvas.lines(part, *pen));
     // The direction of the line from one end of the gap to the other.
     let near = line.iter().position(|place| *place == middle).unwrap_or(0);
     let from = line[..near].iter().rev().find(|place| is_outside(place)).copied().unwrap_or(middle);
@@ -242,12 +275,13 @@ pub fn labelled_line(
     let (sine, cosine) = (libm::sin(turn.to_radians()), libm::cos(turn.to_radians()));
     let down = 0.35 * f64::from(size);
     let at = (middle.0 - down * sine, middle.1 + down * cosine);
-    canvas.text(at, text, size, Side::Middle, turn, ink);
+    canvas.text(at, label, size, Side::Middle, turn, *ink);
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::plot::canvas::Shape;
 
     #[test]
     fn fine_axes_are_drawn_in_steps_from_end_to_end() {
@@ -256,6 +290,37 @@ mod tests {
         let thinned = drawn_values(1200);
         assert_eq!((thinned.len(), step_of(1200), thinned[1], thinned.last()), (401, 3, 3, Some(&1199)));
         assert!(drawn_values(1_000_000).len() <= 501);
+    }
+
+    #[test]
+    fn labels_are_apart_from_each_other_and_from_other_lines() {
+        let panel = Panel { left: 0.0, top: 0.0, width: 300.0, height: 200.0 };
+        // The lines are 15 pixels from each other at the left, and 1 at the right.
+        let line = |label: &str, from: f64, to: f64| LabelledLine {
+            points: vec![(0.0, from), (300.0, to)],
+            label: label.to_owned(),
+            pen: Pen::new(BLACK, LINE),
+            ink: BLACK,
+        };
+        let mut canvas = Canvas::new(300.0, 200.0);
+        labelled_lines(&mut canvas, &panel, &[line("0.01", 100.0, 100.0), line("0.05", 85.0, 99.0)]);
+        let places: Vec<Place> = canvas
+            .shapes
+            .iter()
+            .filter_map(|shape| match shape {
+                Shape::Text(text) => Some(text.at),
+                _ => None,
+            })
+            .collect();
+        assert_eq!(places.len(), 2);
+        assert!(places.iter().all(|(x, _)| *x < 155.0), "{places:?}");
+        assert!((places[0].0 - places[1].0).abs() > 30.0, "{places:?}");
+        // Alone, each has its label in the middle.
+        let mut canvas = Canvas::new(300.0, 200.0);
+        labelled_lines(&mut canvas, &panel, &[line("0.01", 100.0, 100.0)]);
+        let middle =
+            canvas.shapes.iter().any(|shape| matches!(shape, Shape::Text(text) if (text.at.0 - 150.0).abs() < 6.0));
+        assert!(middle, "{:?}", canvas.shapes);
     }
 
     #[test]

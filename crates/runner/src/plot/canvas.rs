@@ -89,6 +89,37 @@ pub struct Canvas {
     pub results: Vec<String>,
 }
 
+/// The size of a subscript and how far it is below its line, over the size of the font.
+pub const SUBSCRIPT: (f64, f64) = (0.72, 0.22);
+
+/// Most letters of a subscript.
+const MOST_LETTERS: usize = 2;
+
+/// A text in parts, each with whether it is a subscript, as s and c in "f_s < f_c". Symbols are single letters; longer words with
+/// an underscore are names, which stay as they are.
+pub fn parts(text: &str) -> Vec<(String, bool)> {
+    let letters: Vec<char> = text.chars().collect();
+    let mut parts: Vec<(String, bool)> = Vec::new();
+    let mut add = |added: &[char], is_subscript: bool| match parts.last_mut() {
+        Some((part, kind)) if *kind == is_subscript => part.extend(added),
+        _ => parts.push((added.iter().collect(), is_subscript)),
+    };
+    let mut next = 0;
+    while next < letters.len() {
+        let begins = next == 0 || !(letters[next - 1].is_alphanumeric() || "_.".contains(letters[next - 1]));
+        let is_symbol = begins && letters[next].is_alphabetic() && letters.get(next + 1) == Some(&'_');
+        let index = letters.get(next + 2..).unwrap_or_default();
+        let length = index.iter().take_while(|letter| letter.is_alphanumeric()).count();
+        add(&letters[next..=next], false);
+        next += 1;
+        if is_symbol && (1..=MOST_LETTERS).contains(&length) && index.get(length) != Some(&'_') {
+            add(&index[..length], true);
+            next += 1 + length;
+        }
+    }
+    parts
+}
+
 /// The width of a text in a font of this size.
 pub fn width_of(text: &str, size: u32) -> f64 {
     LETTER * f64::from(size) * text.chars().count() as f64
@@ -164,5 +195,35 @@ impl Canvas {
     /// A text beside a place; a turn is in degrees, clockwise.
     pub fn text(&mut self, at: Place, text: &str, size: u32, side: Side, turn: f64, fill: Rgb) {
         self.shapes.push(Shape::Text(Text { at, text: text.to_owned(), size, side, turn, fill }));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn symbols_have_subscripts_and_names_keep_their_underscores() {
+        let marked = |text: &str| -> String {
+            let mark = |(part, is_subscript): (String, bool)| if is_subscript { format!("[{part}]") } else { part };
+            parts(text).into_iter().map(mark).collect()
+        };
+        for (text, set) in [
+            ("", ""),
+            ("Static friction coefficient f_s", "Static friction coefficient f[s]"),
+            ("preload at or below 0, or f_s < f_c; they", "preload at or below 0, or f[s] < f[c]; they"),
+            ("Effective radius r_e (m)", "Effective radius r[e] (m)"),
+            ("f_s.", "f[s]."),
+            ("k_n1", "k[n1]"),
+            ("Δ_x", "Δ[x]"),
+            ("lining_modulus", "lining_modulus"),
+            ("m_lining", "m_lining"),
+            ("a_b_c", "a_b_c"),
+            ("damping.c_x", "damping.c_x"),
+            ("p_", "p_"),
+            ("_s f_", "_s f_"),
+        ] {
+            assert_eq!(marked(text), set);
+        }
     }
 }

@@ -88,18 +88,35 @@ fn fitting(text: &str, length: f64) -> u32 {
     (7..=SMALL).rev().find(|&size| width_of(text, size) <= length).unwrap_or(7)
 }
 
-/// An entry of a legend: the number of its series, none for marks, and what it says.
-type Entry = (Option<usize>, String);
+/// What an entry of a legend shows before its text: the colour of a series, the line of marks, or nothing.
+#[derive(Clone, Copy, PartialEq)]
+enum Sample {
+    Series(usize),
+    Marks,
+    Nothing,
+}
+
+/// An entry of a legend with what it says.
+type Entry = (Sample, String);
+
+impl Sample {
+    /// Its width with the space after it.
+    fn width(self) -> f64 {
+        if self == Self::Nothing { 0.0 } else { SAMPLE + 4.0 }
+    }
+}
 
 /// The entries of a chart in lines of this length.
 fn legend(chart: &Chart, length: f64) -> Vec<Vec<Entry>> {
     let named = chart.series.iter().enumerate().filter(|(_, series)| !series.name.is_empty());
-    let mut entries: Vec<Entry> = named.map(|(number, series)| (Some(number), series.name.clone())).collect();
-    entries.extend(chart.marks.iter().map(|marks| (None, format!("{}: {}", marks.what, listed(&marks.values)))));
+    let mut entries: Vec<Entry> = named.map(|(number, series)| (Sample::Series(number), series.name.clone())).collect();
+    let marks = chart.marks.iter().map(|marks| format!("{}: {}", marks.what, listed(&marks.values)));
+    entries.extend(marks.map(|marks| (Sample::Marks, marks)));
+    entries.extend((!chart.note.is_empty()).then(|| (Sample::Nothing, chart.note.clone())));
     let mut lines: Vec<Vec<Entry>> = Vec::new();
     let mut used = 0.0;
     for entry in entries {
-        let needed = SAMPLE + 4.0 + width_of(&entry.1, SMALL - 1) + AFTER;
+        let needed = entry.0.width() + width_of(&entry.1, SMALL - 1) + AFTER;
         match lines.last_mut() {
             Some(line) if used + needed <= length => line.push(entry),
             _ => {
@@ -116,14 +133,15 @@ fn draw_legend(canvas: &mut Canvas, lines: &[Vec<Entry>], (left, top): Place) {
     for (line, entries) in lines.iter().enumerate() {
         let mut x = left;
         let y = top + line as f64 * LINE_HEIGHT;
-        for (series, text) in entries {
+        for (sample, text) in entries {
             let (from, to) = ((x, y - 3.0), (x + SAMPLE, y - 3.0));
-            match series {
-                Some(number) => canvas.line(from, to, Pen::new(colour(*number), 2.0)),
-                None => canvas.dashes(&[from, to], Pen::new(GREY, 1.0)),
+            match sample {
+                Sample::Series(number) => canvas.line(from, to, Pen::new(colour(*number), 2.0)),
+                Sample::Marks => canvas.dashes(&[from, to], Pen::new(GREY, 1.0)),
+                Sample::Nothing => {}
             }
-            canvas.text((x + SAMPLE + 4.0, y), text, SMALL - 1, Side::Right, 0.0, BLACK);
-            x += SAMPLE + 4.0 + width_of(text, SMALL - 1) + AFTER;
+            canvas.text((x + sample.width(), y), text, SMALL - 1, Side::Right, 0.0, BLACK);
+            x += sample.width() + width_of(text, SMALL - 1) + AFTER;
         }
     }
 }

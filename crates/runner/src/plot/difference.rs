@@ -3,7 +3,7 @@
 use crate::job::Job;
 use crate::picture::scale::Scale;
 use crate::picture::view::GridView;
-use crate::plot::area::{Area, AreaPanel, LINE, Level, labelled_line};
+use crate::plot::area::{Area, AreaPanel, LINE, LabelledLine, Level, labelled_lines};
 use crate::plot::canvas::{BLACK, Canvas, Pen, Rgb};
 use crate::plot::contours::Field;
 use crate::plot::curves::Curves;
@@ -84,10 +84,9 @@ impl Difference {
         let values: Vec<Option<f64>> =
             drawn.cells.iter().map(|&cell| self.values[cell].filter(|_| !self.is_saturated[cell])).collect();
         let field = Field { values: &values, ..drawn.field };
-        let mut labels = Vec::new();
-        for line in field.on(0.0) {
-            labelled_line(canvas, &drawn.panel, &line, "0", (Pen::new(BLACK, LINE), BLACK), &mut labels);
-        }
+        let labelled = |points| LabelledLine { points, label: "0".to_owned(), pen: Pen::new(BLACK, LINE), ink: BLACK };
+        let lines: Vec<LabelledLine> = field.on(0.0).into_iter().map(labelled).collect();
+        labelled_lines(canvas, &drawn.panel, &lines);
     }
 }
 

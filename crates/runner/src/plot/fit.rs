@@ -5,7 +5,7 @@ use stickslip_sampler::fit::shares::Share;
 use crate::plot::canvas::{Canvas, Pen, Place, Rgb};
 use crate::plot::chart::{COLOURS, simplified};
 use crate::plot::legend::Legend;
-use crate::plot::panel::{Axis, Layout, Panel, RIGHT, space_of, write_notes};
+use crate::plot::panel::{Axis, Layout, Panel, RIGHT, in_lines, space_of, write_notes};
 
 /// Most families, each with a colour of its own.
 pub const MOST_FAMILIES: usize = COLOURS.len();
@@ -61,7 +61,8 @@ impl FitPicture {
         let coloured = || self.families.iter().zip(COLOURS);
         let legend =
             Legend::new(coloured().map(|(family, colour)| (colour, family.name.clone())).collect(), width - RIGHT);
-        let below = BEFORE + legend.height() + space_of(&self.notes);
+        let notes = in_lines(&self.notes, width);
+        let below = BEFORE + legend.height() + space_of(&notes);
         let layout = Layout { above: ABOVE, right: RIGHT, below, aspect: ASPECT, most_columns: 1 };
         let arrangement = layout.arrange(1, width);
         let mut canvas = Canvas::new(width, arrangement.height);
@@ -76,7 +77,7 @@ impl FitPicture {
             panel.frame(&mut canvas, &self.horizontal, &self.vertical);
             legend.draw(&mut canvas, (panel.left, arrangement.height - below + BEFORE));
         }
-        write_notes(&mut canvas, &self.notes, (width, arrangement.height));
+        write_notes(&mut canvas, &notes, (width, arrangement.height));
         canvas
     }
 

@@ -5,7 +5,7 @@ use std::io::Read as _;
 use flate2::read::GzDecoder;
 use ttf_parser::{Face, GlyphId, OutlineBuilder, Rect};
 
-use crate::plot::canvas::Side;
+use crate::plot::canvas::{SUBSCRIPT, Side, parts};
 
 /// DejaVu Sans; its licence lies beside it.
 const DEJAVU: &[u8] = include_bytes!("font/DejaVuSans.ttf.gz");
@@ -25,11 +25,14 @@ pub struct Font<'a> {
     face: Face<'a>,
 }
 
-/// A letter of a text: its glyph, and where it stands in the text over the size of the font.
+/// A letter of a text: its glyph, and where it stands in the text, how far below its line and how large, over the size of the
+/// font.
 pub struct Letter {
     pub glyph: u16,
     pub character: char,
     pub at: f64,
+    pub below: f64,
+    pub size: f64,
 }
 
 impl<'a> Font<'a> {
@@ -43,10 +46,13 @@ impl<'a> Font<'a> {
     pub fn letters(&self, text: &str, side: Side) -> Vec<Letter> {
         let mut end = 0.0;
         let mut letters = Vec::new();
-        for character in text.chars() {
-            let glyph = self.face.glyph_index(character).unwrap_or_default().0;
-            letters.push(Letter { glyph, character, at: end });
-            end += self.width(glyph);
+        for (part, is_subscript) in parts(text) {
+            let (size, below) = if is_subscript { SUBSCRIPT } else { (1.0, 0.0) };
+            for character in part.chars() {
+                let glyph = self.face.glyph_index(character).unwrap_or_default().0;
+                letters.push(Letter { glyph, character, at: end, below, size });
+                end += size * self.width(glyph);
+            }
         }
         let before = match side {
             Side::Right => 0.0,

@@ -249,9 +249,10 @@ pub fn space_of(notes: &[String]) -> f64 {
     12.0 + NOTE * notes.len().saturating_sub(1) as f64
 }
 
-/// Notes in lines that fit in a figure.
+/// Notes in lines that fit in a figure, each of which ends with a full stop.
 pub fn in_lines(notes: &[String], width: f64) -> Vec<String> {
-    notes.iter().flat_map(|note| wrapped(note, width - 2.0 * RIGHT, SMALL - 3)).collect()
+    let ended = |note: &String| if note.ends_with(['.', '?', '!']) { note.clone() } else { format!("{note}.") };
+    notes.iter().flat_map(|note| wrapped(&ended(note), width - 2.0 * RIGHT, SMALL - 3)).collect()
 }
 
 /// Writes notes at the bottom of a figure.

@@ -162,20 +162,27 @@ impl Page<'_> {
 
     fn text(&mut self, text: &Text) {
         let letters = self.font.letters(&text.text, text.side);
-        let Some(first) = letters.first() else { return };
-        let shift = f64::from(text.size) * first.at;
+        if letters.is_empty() {
+            return;
+        }
+        let size = f64::from(text.size);
         let (sine, cosine) = libm::sincos(text.turn.to_radians());
-        let (x, y) = (text.at.0 + shift * cosine, text.at.1 + shift * sine);
-        let numbers: Vec<u8> = letters.iter().flat_map(|letter| letter.glyph.to_be_bytes()).collect();
+        let [turned_cosine, turned_sine] = [cosine, sine].map(|part| ((1e6 * part).round() / 1e6) as f32);
         self.letters.extend(letters.iter().map(|letter| (letter.glyph, letter.character)));
         self.fill(text.fill);
-        let [cosine, sine] = [cosine, sine].map(|part| ((1e6 * part).round() / 1e6) as f32);
-        self.content
-            .begin_text()
-            .set_font(NAME, text.size as f32)
-            .set_text_matrix([cosine, sine, sine, -cosine, rounded(x), rounded(y)])
-            .show(Str(&numbers))
-            .end_text();
+        // Letters of one size are shown together.
+        for part in letters.chunk_by(|a, b| a.size == b.size) {
+            let (along, below) = (size * part[0].at, size * part[0].below);
+            let x = text.at.0 + along * cosine - below * sine;
+            let y = text.at.1 + along * sine + below * cosine;
+            let numbers: Vec<u8> = part.iter().flat_map(|letter| letter.glyph.to_be_bytes()).collect();
+            self.content
+                .begin_text()
+                .set_font(NAME, (size * part[0].size) as f32)
+                .set_text_matrix([turned_cosine, turned_sine, turned_sine, -turned_cosine, rounded(x), rounded(y)])
+                .show(Str(&numbers))
+                .end_text();
+        }
     }
 }
 

@@ -123,9 +123,11 @@ fn turned(degrees: f64) -> Transform {
 /// The outlines of a text about its place, with y downwards.
 fn outlines(text: &Text, font: &Font<'_>) -> Option<Path> {
     let size = f64::from(text.size);
-    let mut builder = Outlines { path: PathBuilder::new(), at: 0.0, scale: (size / font.units()) as f32 };
+    let mut builder = Outlines { path: PathBuilder::new(), at: 0.0, below: 0.0, scale: 0.0 };
     for letter in font.letters(&text.text, text.side) {
         builder.at = (size * letter.at) as f32;
+        builder.below = (size * letter.below) as f32;
+        builder.scale = (size * letter.size / font.units()) as f32;
         font.outline(letter.glyph, &mut builder);
     }
     builder.path.finish()
@@ -135,12 +137,13 @@ fn outlines(text: &Text, font: &Font<'_>) -> Option<Path> {
 struct Outlines {
     path: PathBuilder,
     at: f32,
+    below: f32,
     scale: f32,
 }
 
 impl Outlines {
     fn place(&self, x: f32, y: f32) -> (f32, f32) {
-        (self.at + self.scale * x, -self.scale * y)
+        (self.at + self.scale * x, self.below - self.scale * y)
     }
 }
 
@@ -178,7 +181,7 @@ mod tests {
     /// How dark the dots of a text are in sum, and how many of them are neither dark nor light.
     fn ink(turn: f64) -> (f64, usize) {
         let mut canvas = Canvas::new(120.0, 120.0);
-        canvas.text((60.0, 60.0), "Preload Δ, fₛ", 11, Side::Middle, turn, BLACK);
+        canvas.text((60.0, 60.0), "Preload Δ, f_s", 11, Side::Middle, turn, BLACK);
         let image = Pixmap::decode_png(&png(&canvas).unwrap()).unwrap();
         assert_eq!((image.width(), image.height()), (375, 375));
         let dark: Vec<f64> = image.pixels().iter().map(|dot| 1.0 - f64::from(dot.green()) / 255.0).collect();

@@ -4,7 +4,7 @@ use stickslip_core::model::ClosedForm;
 
 use crate::picture::scale::Scale;
 use crate::picture::view::{GridView, Slice, ViewAxis};
-use crate::plot::area::{Area, AreaPanel, LINE, Level, labelled_line};
+use crate::plot::area::{Area, AreaPanel, LINE, LabelledLine, Level, labelled_lines};
 use crate::plot::canvas::{BLACK, Canvas, Pen, Place, Rgb, WHITE};
 use crate::plot::curves::Curves;
 use crate::plot::form::Form;
@@ -93,9 +93,9 @@ pub fn figure(values: &Values, view: &GridView, width: f64) -> Option<Canvas> {
                     boundary(canvas, values, drawn, horizontal.ends());
                 }
                 let limits = limits_of(&drawn.slice);
-                let mut labels = Vec::new();
-                limit_lines(canvas, &levels, &limits, drawn, &mut labels);
-                contour_lines(canvas, values, view, drawn, &limits, &mut labels);
+                let mut lines = limit_lines(canvas, &levels, &limits, drawn);
+                lines.extend(contour_lines(values, view, drawn, &limits));
+                labelled_lines(canvas, &drawn.panel, &lines);
             };
             Some(area.figure(width, drawn_lines))
         }
@@ -136,23 +136,18 @@ fn boundary(canvas: &mut Canvas, values: &Values, drawn: &AreaPanel<'_>, [from, 
 }
 
 /// Lines at some of the levels, with their labels; not at those that are targets of limits.
-fn contour_lines(
-    canvas: &mut Canvas,
-    values: &Values,
-    view: &GridView,
-    drawn: &AreaPanel<'_>,
-    limits: &[LimitLine],
-    labels: &mut Vec<Place>,
-) {
+fn contour_lines(values: &Values, view: &GridView, drawn: &AreaPanel<'_>, limits: &[LimitLine]) -> Vec<LabelledLine> {
     let levels = Levels::up_to(values.largest());
+    let mut lines = Vec::new();
     for level in values.lines().into_iter().filter(|level| limits.iter().all(|line| line.target != *level)) {
         let (ink, is_target) = (ink_at(&levels, level), values.job.target == Some(level));
         let (label, width) = if is_target { (target_label(level), 2.0 * LINE) } else { (label(level), LINE) };
         for line in level_lines(&values.probability, view, &drawn.slice, level) {
-            let line: Vec<Place> = line.iter().map(|point| drawn.place(*point)).collect();
-            labelled_line(canvas, &drawn.panel, &line, &label, (Pen::new(ink, width), ink), labels);
+            let points = line.iter().map(|point| drawn.place(*point)).collect();
+            lines.push(LabelledLine { points, label: label.clone(), pen: Pen::new(ink, width), ink });
         }
     }
+    lines
 }
 
 /// The colour that is seen where the probability is that of a level.
@@ -160,22 +155,18 @@ fn ink_at(levels: &Levels, level: f64) -> Rgb {
     if 2 * levels.band(level) > levels.bands() + 4 { WHITE } else { BLACK }
 }
 
-/// The lines of limits with their targets.
-fn limit_lines(
-    canvas: &mut Canvas,
-    levels: &Levels,
-    limits: &[LimitLine],
-    drawn: &AreaPanel<'_>,
-    labels: &mut Vec<Place>,
-) {
+/// The lines of limits with their targets. A limit without another beside it is a dot.
+fn limit_lines(canvas: &mut Canvas, levels: &Levels, limits: &[LimitLine], drawn: &AreaPanel<'_>) -> Vec<LabelledLine> {
+    let mut lines = Vec::new();
     for LimitLine { target, points, .. } in limits {
         let points: Vec<Place> = points.iter().map(|point| drawn.place(*point)).collect();
         match points[..] {
             [only] => canvas.dot(only, 2.0, RED),
             _ => {
                 let ink = ink_at(levels, *target);
-                labelled_line(canvas, &drawn.panel, &points, &target_label(*target), (LIMIT, ink), labels);
+                lines.push(LabelledLine { points, label: target_label(*target), pen: LIMIT, ink });
             }
         }
     }
+    lines
 }

@@ -3,7 +3,7 @@
 use std::fmt::{self, Display, Write as _};
 
 use crate::output::printable;
-use crate::plot::canvas::{Canvas, Pen, Place, Rgb, Shape, Side, Text};
+use crate::plot::canvas::{Canvas, Pen, Place, Rgb, SUBSCRIPT, Shape, Side, Text, parts};
 
 /// What browsers and other readers have as a sans-serif font.
 const FONTS: &str = "DejaVu Sans, Verdana, Arial, sans-serif";
@@ -75,8 +75,26 @@ fn text(words: &Text) -> String {
         "<text x=\"{x}\" y=\"{y}\" font-size=\"{}\" text-anchor=\"{anchor}\" fill=\"{}\"{turn}>{}</text>",
         words.size,
         Colour(words.fill),
-        escaped(&words.text)
+        with_subscripts(&words.text, f64::from(words.size))
     )
+}
+
+/// A text with its subscripts in smaller letters below the line, after which the line goes on.
+fn with_subscripts(text: &str, size: f64) -> String {
+    let (share, below) = SUBSCRIPT;
+    let [small, below] = [share * size, below * size].map(Hundredths);
+    let mut set = String::new();
+    let mut was_below = false;
+    for (part, is_below) in parts(text) {
+        let part = escaped(&part);
+        set += &match (is_below, was_below) {
+            (true, _) => format!("<tspan dy=\"{below}\" font-size=\"{small}\">{part}</tspan>"),
+            (false, true) => format!("<tspan dy=\"-{below}\">{part}</tspan>"),
+            (false, false) => part,
+        };
+        was_below = is_below;
+    }
+    set
 }
 
 /// Text for SVG and HTML. The codes of colours that a terminal takes are no XML.
@@ -123,7 +141,16 @@ impl Display for Hundredths {
 
 #[cfg(test)]
 mod tests {
-    use super::escaped;
+    use super::{escaped, with_subscripts};
+
+    #[test]
+    fn a_subscript_is_smaller_and_below_and_the_line_goes_on() {
+        assert_eq!(
+            with_subscripts("f_s < f_c & 1", 10.0),
+            "f<tspan dy=\"2.2\" font-size=\"7.2\">s</tspan><tspan dy=\"-2.2\"> &lt; f</tspan><tspan dy=\"2.2\" font-size=\"7.2\">c</tspan><tspan dy=\"-2.2\"> &amp; 1</tspan>"
+        );
+        assert_eq!(with_subscripts("lining_modulus", 10.0), "lining_modulus");
+    }
 
     #[test]
     fn text_is_xml_whatever_characters_it_has() {

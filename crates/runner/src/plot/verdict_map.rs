@@ -16,7 +16,9 @@ use crate::picture::scale::Scale;
 use crate::picture::title::title;
 use crate::picture::view::GridView;
 use crate::plot::canvas::{BLACK, Canvas, Pen, Place, WHITE};
-use crate::plot::panel::{ABOVE, Arrangement, Axis, LEFT, Layout, Panel, RIGHT, heading, space_of, write_notes};
+use crate::plot::panel::{
+    ABOVE, Arrangement, Axis, LEFT, Layout, Panel, RIGHT, heading, in_lines, space_of, write_notes,
+};
 use crate::plot::regions::{Region, Regions};
 use crate::store::directory::RunDirectory;
 use crate::store::file_state::FileState;
@@ -108,6 +110,7 @@ impl VerdictMaps {
         .filter(|(is_there, _)| *is_there)
         .map(|(_, note)| note.to_owned())
         .collect();
+        let notes = in_lines(&notes, width);
         let layout = Layout { above: ABOVE, right: RIGHT, below: 0.0, aspect: ASPECT, most_columns: usize::MAX };
         let Arrangement { panels, height } = layout.arrange(maps.len(), width);
         let drawn = |(panel, map): (&Panel, &&VerdictMap)| {

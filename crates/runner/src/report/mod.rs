@@ -26,6 +26,7 @@ use crate::failure::Failure;
 use crate::job::reduction::Reduction;
 use crate::output::quoted;
 use crate::picture::answer::answer;
+use crate::plot::canvas::parts;
 use crate::plot::svg::{self, escaped};
 use crate::version::VERSION;
 
@@ -269,7 +270,15 @@ pub fn reconstructed() -> String {
     element("p", "class=\"note\"", text)
 }
 
-/// An element with text; without text nothing.
+/// An element with text; without text nothing. Symbols in paragraphs have their subscripts.
 fn element(name: &str, attributes: &str, text: &str) -> String {
-    if text.is_empty() { String::new() } else { format!("<{name} {attributes}>{}</{name}>", escaped(text)) }
+    if text.is_empty() {
+        return String::new();
+    }
+    let set = |(part, is_subscript): (String, bool)| match is_subscript {
+        true => format!("<sub>{}</sub>", escaped(&part)),
+        false => escaped(&part),
+    };
+    let content = if name == "p" { parts(text).into_iter().map(set).collect() } else { escaped(text) };
+    format!("<{name} {attributes}>{content}</{name}>")
 }

@@ -22,6 +22,13 @@ function cellAt(run, at) {
 const cellWith = (run, changes) => cellAt(run, place.map((position, i) => (i in changes ? changes[i] : position)));
 const sameAxes = (a, b) => JSON.stringify(a.axes) === JSON.stringify(b.axes);
 const number = (value) => (value === null ? "unknown" : Number(value.toPrecision(5)).toString());
+// Symbols of one letter have subscripts, by the tags that Plotly knows or as elements.
+const SYMBOL = /(?<![\p{L}\p{N}_.])(\p{L})_([\p{L}\p{N}]{1,2})(?![\p{L}\p{N}_])/gu;
+const inPlot = (text) => text.replace(SYMBOL, "$1<sub>$2</sub>");
+function write(target, text) {
+  const subscript = (of) => Object.assign(document.createElement("sub"), { textContent: of });
+  target.replaceChildren(...text.split(SYMBOL).map((part, i) => (i % 3 === 2 ? subscript(part) : part)));
+}
 const named = (axis, i) => `${axis.title} = ${number(axis.values[i])}${axis.unit ? " " + axis.unit : ""}`;
 const heading = (axis) => (axis.unit ? `${axis.title} (${axis.unit})` : axis.title);
 const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
@@ -99,7 +106,7 @@ function aboutModel(cell) {
 
 function layout(x, y, extra) {
   const line = colour("--line"), text = colour("--text");
-  const axis = (of) => ({ title: { text: of }, gridcolor: line, linecolor: line, zeroline: false, automargin: true });
+  const axis = (of) => ({ title: { text: inPlot(of) }, gridcolor: line, linecolor: line, zeroline: false, automargin: true });
   return {
     paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)", font: { color: text, size: 12 },
     // Above a plot is its tool bar, below it its legend.
@@ -214,7 +221,8 @@ function drawMap() {
   const { run } = view;
   const across = run.axes[run.horizontal], up = run.axes[run.vertical];
   const cells = cellsOfMap();
-  const describedAt = (cell, i, j) => `${named(up, i)}<br>${named(across, j)}<br>${inLines(described(cell))}`;
+  const describedAt = (cell, i, j) =>
+    `${inPlot(named(up, i))}<br>${inPlot(named(across, j))}<br>${inLines(described(cell))}`;
   const text = cells.map((row, i) => row.map((cell, j) => describedAt(cell, i, j)));
   const drawn = view.comparison ? differenceTraces : run.verdicts ? verdictTraces : probabilityTraces;
   const traces = drawn(across.values, up.values, cells, text);
@@ -265,7 +273,7 @@ function fillTable(of) {
     const row = table.insertRow();
     contents.forEach((content, j) => {
       const cell = document.createElement(i === 0 || j === 0 ? "th" : "td");
-      cell.textContent = content;
+      write(cell, content);
       row.append(cell);
     });
   });
@@ -285,12 +293,12 @@ function drawSection(target, index) {
     ...others.map((other, i) => ({
       x: axis.values, y: cells.map((cell) => other.p[cell]), mode: "lines", name: other.path,
       line: { color: LINES[1 + i % (LINES.length - 1)], width: 1.5, dash: "dash" },
-      text: cells.map((cell, i) => `${other.path}<br>${named(axis, i)}<br>P = ${number(other.p[cell])}`),
+      text: cells.map((cell, i) => `${other.path}<br>${inPlot(named(axis, i))}<br>P = ${number(other.p[cell])}`),
       hovertemplate: "%{text}<extra></extra>",
     })),
     { x: axis.values, y: cells.map(value), mode: "lines+markers", line: { color: LINES[0], width: 2 },
       marker: { size: 5 }, name: run.path,
-      text: cells.map((cell, i) => `${named(axis, i)}<br>${inLines(described(cell))}`),
+      text: cells.map((cell, i) => `${inPlot(named(axis, i))}<br>${inLines(described(cell))}`),
       hovertemplate: "%{text}<extra></extra>" },
     { x: [axis.values[place[index]]], y: [value(cellAt(run, place))], mode: "markers", hoverinfo: "skip",
       marker: marker(), showlegend: false },
@@ -317,7 +325,7 @@ function drawSensitivity() {
     });
     const sides = layout("", `Sobol index of the ${of}`, { showlegend: true, barmode: "group" });
     const names = inputs.map(({ input }) => input);
-    Object.assign(sides.xaxis, { tickvals: names, ticktext: names.map(inShortLines) });
+    Object.assign(sides.xaxis, { tickvals: names, ticktext: names.map((of) => inPlot(inShortLines(of))) });
     sides.yaxis.rangemode = "tozero";
     const shown = [bars("first order", "first_order", LINES[0]), bars("total", "total", LINES[4])];
     Plotly.react(target.children[i], shown, sides, config);
@@ -328,7 +336,7 @@ function drawSensitivity() {
 function draw() {
   const { run } = view, cell = cellAt(run, place);
   const long = run.axes.map((axis, i) => [axis, i]).filter(([axis]) => axis.values.length > 1);
-  element("selected").textContent = [...long.map(([axis, i]) => named(axis, place[i])), described(cell)].join(", ");
+  write(element("selected"), [...long.map(([axis, i]) => named(axis, place[i])), described(cell)].join(", "));
   element("expected").textContent = aboutModel(cell);
   element("interval").textContent = (view.comparison ?? run).interval_name;
   element("sections").hidden = !isMap() || Boolean(run.verdicts && !view.comparison);
@@ -377,7 +385,7 @@ function addControls() {
     const slider = Object.assign(document.createElement("input"), {
       type: "range", min: 0, max: axis.values.length - 1, step: 1, value: place[i], id: `axis-${i}`,
     });
-    const update = () => { output.textContent = named(axis, place[i]); };
+    const update = () => write(output, named(axis, place[i]));
     slider.addEventListener("input", () => { select({ [i]: Number(slider.value) }); update(); });
     update();
     label.append(output, slider);

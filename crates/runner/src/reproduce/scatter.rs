@@ -60,7 +60,7 @@ pub fn scattered_input(run: &FinishedRun) -> Result<Vec<Part>, Failure> {
     }
     let chart = Chart::new(
         format!("Distribution of the random {}", job.quantity_of(input).noun()),
-        ChartAxis::new("Deviation from the expected value, over it", "", Scale::linear(-widest, widest)),
+        ChartAxis::new("Deviation over the expected value", "", Scale::linear(-widest, widest)),
         ChartAxis::new("Density", "", Scale::linear(0.0, 1.1 * densest)),
         series,
     );
