@@ -17,5 +17,6 @@ mod plots;
 mod readers;
 mod reference;
 mod reports;
+mod slips;
 mod structure;
 mod terminal;

@@ -260,6 +260,8 @@ type ReadDraft = fn(&str, Spanned<DeTable<'_>>, &mut Complaints) -> Option<Box<d
 pub struct Kind {
     /// As in job specs.
     pub name: &'static str,
+    /// What `[criterion] kind` may be.
+    pub criteria: &'static [&'static str],
     /// Reads the tables `[model]` and `[criterion]` of a document, which has nothing else.
     pub draft: ReadDraft,
     /// The JSON schemas of the two tables.

@@ -12,7 +12,7 @@ use super::diagnosis::{Complaint, Complaints};
 use super::distribution_spec::{DistributionSpec, MarginalSpec};
 use super::measured;
 use super::random_spec::RandomSpec;
-use super::scatter::{Names, position, validate_stds};
+use super::scatter::{Names, as_percentage, position, validate_stds};
 
 /// Largest share of negative values that is plausible, of an input that has none.
 const MOST_NEGATIVE: f64 = 0.01;
@@ -180,7 +180,15 @@ impl RandomInputSet {
                     }
                     _ => ("distribution", span),
                 };
-                Complaint::maybe_at(span, format!("random.{key} of {}: {error}", quantity.name))
+                let hint = match error {
+                    MarginalError::NormalTooWide { value }
+                    | MarginalError::UniformTooWide { value }
+                    | MarginalError::TruncatedTooWide { value, .. }
+                    | MarginalError::TriangularTooWide { value, .. }
+                    | MarginalError::BetaStd { value, .. } => as_percentage(value),
+                    _ => String::new(),
+                };
+                Complaint::maybe_at(span, format!("random.{key} of {}: {error}{hint}", quantity.name))
             }));
         }
     }

@@ -10,6 +10,7 @@ use super::diagnosis::{Complaint, Complaints, MOST_SHOWN};
 use super::keys::{Suggested, nearest, suggestion};
 use super::spec::JobSpec;
 use super::syntax;
+use crate::units;
 
 /// Bytes of text that are looked at again for entries that cannot be read.
 const LOOKED_AT: usize = 1 << 22;
@@ -226,9 +227,16 @@ fn whole_number(key: &str) -> &'static str {
 /// The complaint about a value of a wrong type, of which serde says what it found and what it expected.
 fn wrong_type(key: &str, typed: &str, found: &str, expected: &str) -> String {
     let number = typed.trim_matches(['"', '\'']).replacen(',', ".", 1);
-    let is_number = found.starts_with("string") && number.parse::<f64>().is_ok();
-    let hint =
-        if is_number && expected != "a string" { format!("; write {number}, without quotes") } else { String::new() };
+    let is_text = found.starts_with("string");
+    let is_number = is_text && number.parse::<f64>().is_ok();
+    let hint = if is_number && expected != "a string" {
+        format!("; write {number}, without quotes")
+    } else if is_text && expected.starts_with("a matrix") {
+        // The name of its file alone.
+        format!("; write {{ file = {typed} }}")
+    } else {
+        String::new()
+    };
     let found = found.replace('`', "");
     let found = match found.split_once(' ') {
         Some(("string", string)) => format!("the string {string}"),
@@ -295,6 +303,10 @@ fn about_value(
 ) -> Option<Complaint> {
     let span = value.span();
     let typed = short(text.get(span.clone()).unwrap_or_default());
+    let is_list = matches!(value.get_ref(), DeValue::Array(_));
+    if let Some(complaint) = of_number_with_unit(text, key, error.span().filter(|_| is_list).unwrap_or(span.clone())) {
+        return Some(complaint);
+    }
     match value.get_ref() {
         DeValue::Datetime(_) => Some(Complaint::at(span, format!("{key} = {typed} is a date"))),
         DeValue::Array(_) if typed.starts_with("[[") && !key.contains('.') => {
@@ -314,6 +326,13 @@ fn about_value(
         }
         _ => None,
     }
+}
+
+/// The complaint about a text that is a number with its unit behind it.
+fn of_number_with_unit(text: &str, key: &str, span: Range<usize>) -> Option<Complaint> {
+    let quote = ['"', '\''];
+    let typed = text.get(span.clone())?.strip_prefix(quote)?.strip_suffix(quote)?;
+    units::number_with_unit(typed).map(|said| Complaint::at(span, format!("{key}: {said}")))
 }
 
 /// The value of the entry at a path.

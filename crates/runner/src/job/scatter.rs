@@ -127,7 +127,8 @@ pub fn validate_stds(
         let relative = stds.iter().zip(&own).filter(|(_, own)| !matches!(own, Some(Given::Absolute(_))));
         if let Some((std, _)) = relative.into_iter().find(|(std, _)| !(0.0..=LARGEST_STD).contains(*std)) {
             return Err(complain(format!(
-                "random.relative_std = {std} is out of range: it must be at least 0 and at most {LARGEST_STD} (standard deviation over expected value, not per cent)"
+                "random.relative_std = {std} is out of range: it must be at least 0 and at most {LARGEST_STD} (standard deviation over expected value, not per cent){}",
+                as_percentage(*std)
             )));
         }
         // The sum takes the sign from a zero.
@@ -140,6 +141,14 @@ pub fn validate_stds(
         return Err(complain("random.relative_std is empty; it needs at least one value".to_owned()));
     }
     Ok(all)
+}
+
+/// What may have been meant by a relative standard deviation that is too large, as the end of a message.
+pub fn as_percentage(std: f64) -> String {
+    match 1.0 < std && std <= 100.0 {
+        true => format!("; did you mean {} ({std} %)?", std / 100.0),
+        false => String::new(),
+    }
 }
 
 /// One entry of `relative_std`, for each input; those with measured values have their own.

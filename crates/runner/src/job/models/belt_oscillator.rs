@@ -37,6 +37,7 @@ use crate::job::spec::JobSpec;
 /// The kind in job specs.
 pub const KIND: Kind = Kind {
     name: "belt-oscillator",
+    criteria: &["eigenvalue", "time-domain"],
     draft: |text, document, complaints| {
         let tables = reading::read::<BeltTables>(text, document, |_, _| None, complaints)?;
         Some(Box::new(BeltDraft::new(tables)))

@@ -55,6 +55,7 @@ impl Configuration for Shared {
 /// The kind in job specs.
 pub const KIND: Kind = Kind {
     name: "two-masses",
+    criteria: &[],
     draft: |text, document, complaints| {
         let tables = reading::read::<TwoTables>(text, document, |_, _| None, complaints)?;
         let quantity = |name, unit, what| Quantity::new(name, unit, what);

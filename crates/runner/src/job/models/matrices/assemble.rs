@@ -6,10 +6,11 @@ use std::sync::Arc;
 use stickslip_core::models::matrices::condensation::condensed;
 use stickslip_core::models::matrices::factor::Factor;
 use stickslip_core::models::matrices::terms::{self as of_model, Matrices, Matrix, Parameter};
+use toml::Spanned;
 
 use super::checks;
 use super::spec::MatrixModelSpec;
-use super::terms::{FileTerm, Reader, Term, TermsSpec};
+use super::terms::{FileTerm, Reader, Term, TermSpec, TermsSpec};
 use crate::job::diagnosis::{Complaint, Complaints};
 use crate::matrix_files;
 
@@ -50,8 +51,10 @@ pub fn read<'a>(
     specs.extend(listed("stiffness", &spec.stiffness));
     let mut reader = Reader::new(folder, parameters);
     // All are read before any is missed, so that every mistake is named.
-    let terms: Vec<Option<Term>> =
-        specs.into_iter().map(|(key, spec)| complaints.take(reader.read(&key, spec))).collect();
+    let read = |(key, spec): (String, &'a Spanned<TermSpec>)| {
+        reader.read(&key, spec).map_err(|complaint| complaints.push_some(complaint)).ok()
+    };
+    let terms: Vec<Option<Term>> = specs.into_iter().map(read).collect();
     let terms: Vec<Term> = terms.into_iter().collect::<Option<_>>()?;
     if terms.len() == stiffness_from {
         let message = "missing key `stiffness` in [model]: the terms of the stiffness matrix";

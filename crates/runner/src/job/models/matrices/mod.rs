@@ -42,6 +42,7 @@ mod assemble;
 /// The kind in job specs.
 pub const KIND: Kind = Kind {
     name: "matrices",
+    criteria: &["complex-eigenvalue"],
     draft: |text, document, complaints| {
         let tables = reading::read::<MatrixTables>(text, document, |_, _| None, complaints)?;
         Some(Box::new(MatrixDraft::new(tables, complaints)))

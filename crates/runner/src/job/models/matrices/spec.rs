@@ -38,7 +38,10 @@ pub struct MatrixModelSpec {
 
 /// The expected value of a parameter, or more about it.
 #[derive(Debug, Clone, Deserialize, Serialize, JsonSchema)]
-#[serde(untagged)]
+#[serde(
+    untagged,
+    expecting = "it must be a number, or a table { value = 0.4, unit = \"1\", label = \"friction\", range = [0, 1] } of which all but value may be left out"
+)]
 pub enum ParameterSpec {
     /// The expected value.
     Value(f64),

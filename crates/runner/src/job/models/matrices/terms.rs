@@ -1,7 +1,7 @@
 //! The terms of a model given by matrices: a matrix from a file or written in the job, times a factor.
 
 use std::collections::hash_map::Entry;
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeSet, HashMap, HashSet};
 use std::fmt;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -24,14 +24,16 @@ use crate::matrix_files::{self, ReadMatrix};
 /// A matrix times a factor: `{ file = "brake.mat", matrix = "K1", factor = "friction / speed" }`, or `matrix = [[2, -1], [-1,
 /// 2]]` without a file.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize, Serialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[serde(remote = "Self", deny_unknown_fields)]
 pub struct TermSpec {
     /// The file with the matrix, beside the job. Its format is found by its content.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    file: Option<String>,
+    #[schemars(with = "Option<String>")]
+    file: Option<Spanned<String>>,
     /// The name of the matrix in its file, where that has several; or its rows.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    matrix: Option<MatrixSpec>,
+    #[schemars(with = "Option<MatrixSpec>")]
+    matrix: Option<Spanned<MatrixSpec>>,
     /// Its factor: a product of numbers and powers of parameters.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = 1))]
@@ -41,9 +43,36 @@ pub struct TermSpec {
     pub digest: Option<String>,
 }
 
+/// How a term is written, for messages.
+const A_TERM: &str =
+    "a matrix as { file = \"brake.mat\", matrix = \"K\", factor = \"friction\" } or { matrix = [[2, -1], [-1, 2]] }";
+
+// Derived code would also read a list as the values of the keys in their order.
+impl<'de> Deserialize<'de> for TermSpec {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Table;
+        impl<'de> Visitor<'de> for Table {
+            type Value = TermSpec;
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str(A_TERM)
+            }
+            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<TermSpec, A::Error> {
+                TermSpec::deserialize(MapAccessDeserializer::new(map))
+            }
+        }
+        deserializer.deserialize_any(Table)
+    }
+}
+
+impl Serialize for TermSpec {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        Self::serialize(self, serializer)
+    }
+}
+
 /// A matrix by its name in a file, or by its rows.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "it must be the name of a matrix in its file, or rows of numbers, [[2, -1], [-1, 2]]")]
 enum MatrixSpec {
     /// The name.
     Name(String),
@@ -71,7 +100,7 @@ impl<'de> Deserialize<'de> for TermsSpec {
         impl<'de> Visitor<'de> for Terms {
             type Value = TermsSpec;
             fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("a term { file = ..., matrix = ..., factor = ... }, or a list of terms")
+                write!(f, "{A_TERM}, or a list of such")
             }
             fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<TermsSpec, A::Error> {
                 let term = TermSpec::deserialize(MapAccessDeserializer::new(map))?;
@@ -127,8 +156,8 @@ pub struct FileTerm {
 impl FileTerm {
     /// Whether this is what a term names.
     pub fn is_of(&self, spec: &TermSpec) -> bool {
-        spec.file.as_ref() == Some(&self.file)
-            && spec.matrix == self.matrix
+        spec.file.as_ref().map(Spanned::get_ref) == Some(&self.file)
+            && spec.matrix.as_ref().map(Spanned::get_ref) == self.matrix.as_ref()
             && spec.digest.as_ref().is_none_or(|digest| *digest == self.digest)
     }
 }
@@ -137,10 +166,15 @@ impl TermSpec {
     /// The term as the identity of a job has it: its file by name and digest, wherever that lies.
     pub fn identified(&self, files: &[FileTerm]) -> Self {
         let digest = files.iter().find(|file| file.is_of(self)).map(|file| file.digest.clone());
-        let name = self.file.as_ref().map(|file| {
+        let name = self.file.as_ref().map(Spanned::get_ref).map(|file| {
             Path::new(file).file_name().map_or_else(|| file.clone(), |name| name.to_string_lossy().into_owned())
         });
-        Self { digest, file: name, ..self.clone() }
+        Self { digest, file: name.map(written), ..self.clone() }
+    }
+
+    /// Where its file stands in the job, or else its rows.
+    fn span(&self) -> Option<Range<usize>> {
+        self.file.as_ref().map(Spanned::span).or_else(|| self.matrix.as_ref().map(Spanned::span))
     }
 }
 
@@ -150,19 +184,26 @@ pub struct Reader<'a> {
     parameters: Vec<&'a str>,
     /// By file and name.
     known: HashMap<(String, Option<String>), ReadMatrix>,
+    /// What was said of files that cannot be read.
+    said: HashSet<String>,
 }
 
 impl<'a> Reader<'a> {
     /// For files beside the job, if they are not left out, and factors in these parameters.
     pub fn new(folder: Option<&'a Path>, parameters: &'a [Parameter]) -> Self {
         let parameters = parameters.iter().map(|parameter| parameter.name.as_str()).collect();
-        Self { folder, parameters, known: HashMap::new() }
+        Self { folder, parameters, known: HashMap::new(), said: HashSet::new() }
     }
 
     /// Reads a term: its matrix and its factor.
-    pub fn read(&mut self, key: &str, spec: &Spanned<TermSpec>) -> Result<Term, Complaint> {
-        let complain = |message: String| Complaint::at(spec.span(), format!("model.{key}: {message}"));
+    ///
+    /// # Errors
+    /// What is wrong with it; nothing if that was said of another term with the same file.
+    pub fn read(&mut self, key: &str, spec: &Spanned<TermSpec>) -> Result<Term, Option<Complaint>> {
+        let span = spec.get_ref().span().unwrap_or_else(|| spec.span());
+        let complain = |message: String| Some(Complaint::at(span.clone(), format!("model.{key}: {message}")));
         let TermSpec { file, matrix, factor, digest } = spec.get_ref();
+        let (file, matrix) = (file.as_ref().map(Spanned::get_ref), matrix.as_ref().map(Spanned::get_ref));
         let factor = match factor {
             None => Factor::number(1.0),
             Some(FactorSpec::Number(number)) if number.is_finite() => Factor::number(*number),
@@ -175,12 +216,12 @@ impl<'a> Reader<'a> {
                 complain(format!("factor = \"{text}\": {error} ({known})"))
             })?,
         };
-        let head = |factor| Head { key: key.to_owned(), span: spec.span(), factor };
+        let head = |factor| Head { key: key.to_owned(), span: span.clone(), factor };
         match (file, matrix) {
         (Some(name), None | Some(MatrixSpec::Name(_))) => {
             let Some(folder) = self.folder else {
                 let digest = digest.clone().ok_or_else(|| complain("the term has no digest".to_owned()))?;
-                let file = FileTerm { file: name.clone(), matrix: matrix.clone(), path: name.into(), digest };
+                let file = FileTerm { file: name.clone(), matrix: matrix.cloned(), path: name.into(), digest };
                 return Ok(Term { head: head(factor), read: stand_in().map_err(complain)?, file: Some(file) });
             };
             let path = folder.join(name);
@@ -192,7 +233,12 @@ impl<'a> Reader<'a> {
                 Entry::Occupied(known) => known.get().clone(),
                 Entry::Vacant(new) => {
                     let read = matrix_files::read(&path, new.key().1.as_deref());
-                    new.insert(read.map_err(|error| complain(error.to_string()))?).clone()
+                    let said = &mut self.said;
+                    let read = read.map_err(|error| {
+                        let message = error.to_string();
+                        complain(message.clone()).filter(|_| said.insert(message))
+                    });
+                    new.insert(read?).clone()
                 }
             };
             let found = digest_of(&read);
@@ -203,7 +249,7 @@ impl<'a> Reader<'a> {
                 )));
             }
             let path = std::path::absolute(&path).unwrap_or(path);
-            let file = FileTerm { file: name.clone(), matrix: spec.get_ref().matrix.clone(), path, digest: found };
+            let file = FileTerm { file: name.clone(), matrix: matrix.cloned(), path, digest: found };
             Ok(Term { head: head(factor), read, file: Some(file) })
         }
         (None, Some(MatrixSpec::Rows(rows))) => {

@@ -64,6 +64,7 @@ mod normalised;
 /// The kind in job specs.
 pub const KIND: Kind = Kind {
     name: "pad-on-disc",
+    criteria: &["eigenvalue", "coupled-eigenvalue", "time-domain"],
     draft: |text, document, complaints| {
         let tables = reading::read::<PadTables>(text, document, keys::suggested, complaints)?;
         Some(Box::new(PadDraft::new(tables)))
