@@ -126,3 +126,51 @@ fn a_standard_deviation_in_per_cent_is_asked_about() {
         refused_once(&job, &["random.relative_std", said]);
     }
 }
+
+#[test]
+fn words_that_people_try_as_commands_name_the_command() {
+    let place = Place::new();
+    place.run("run job.toml").refused(64, &["there is no command `run`", "`stickslip submit JOB.toml` runs a job"]);
+    place.run("list").refused(64, &["`stickslip status` shows"]);
+    let said = place.run("--messages json start job.toml").refused(64, &[]).stderr;
+    let said: serde_json::Value = serde_json::from_str(&said).unwrap();
+    assert_eq!((&said["code"], &said["remedy"]), (&"usage".into(), &"stickslip submit JOB.toml".into()));
+    for threads in ["two", "0", "1025", "-1", "1.5"] {
+        place
+            .run(&format!("submit job.toml --threads {threads}"))
+            .refused(64, &["a number of threads is a whole number from 1 to 1024"]);
+    }
+}
+
+#[test]
+fn a_run_and_a_shipped_job_that_is_not_there_say_how_to_go_on() {
+    let place = Place::new();
+    place.write("job.toml", &surface_job("mine", 2, 100, 7));
+    place.run("submit job.toml").done();
+    for command in ["submit", "check"] {
+        place
+            .run(&format!("{command} runs/mine"))
+            .refused(74, &["cannot read runs/mine: ", "runs/mine/job.toml is the job", "`stickslip resume runs/mine`"]);
+        for name in ["jobs/fig14a.toml", "fig14a.toml", "fig14a"] {
+            place.run(&format!("{command} {name}")).refused(
+                74,
+                &[&format!("cannot read {name}: "), "fig14a comes with", "`stickslip init --from fig14a`"],
+            );
+        }
+    }
+    let other = place.run("submit missing.toml").refused(74, &["cannot read missing.toml"]).stderr;
+    assert!(!other.contains("comes with"), "{other}");
+}
+
+#[test]
+fn the_jobs_that_come_with_the_program_are_listed_and_completed() {
+    let place = Place::new();
+    let listed = place.run("init --list").done().stdout;
+    assert!(listed.lines().count() > 15 && listed.contains("\nmission "), "{listed}");
+    assert!(listed.lines().all(|line| line.split_once("  ").is_some_and(|(_, what)| what.len() > 10)), "{listed}");
+    for shell in ["bash", "fish", "zsh"] {
+        let script = place.run(&format!("completions {shell}")).done().stdout;
+        assert!(script.contains("measured-friction") && script.contains("own-brake"), "{shell}");
+    }
+    place.run("init --list --from fig4").refused(64, &["cannot be used with"]);
+}

@@ -4,7 +4,7 @@ use std::fmt;
 use std::io;
 use std::path::Path;
 
-use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::consts::{SIGINT, SIGPIPE, SIGTERM};
 use signal_hook::low_level::signal_name;
 use thiserror::Error;
 
@@ -48,6 +48,9 @@ pub enum Failure {
     /// Reading or writing failed.
     #[error("{0}")]
     InputOutput(String),
+    /// Nobody reads standard output any more, as after `| head`.
+    #[error("nobody reads standard output")]
+    Unread,
     /// The result is written, but its verdict map is wrong somewhere.
     #[error("{0}")]
     Audit(String),
@@ -126,6 +129,7 @@ impl Failure {
             Self::CannotCreate(_) => 73,
             Self::InputOutput(_) => 74,
             Self::Busy(_) => 75,
+            Self::Unread => Signal(SIGPIPE as u8).exit_code(),
             Self::Stopped { signal, .. } => signal.exit_code(),
             Self::Detailed(detailed) => detailed.failure.exit_code(),
         }
@@ -137,7 +141,7 @@ impl Failure {
             Self::Usage(_) => Code::Usage,
             Self::Job(_) => Code::JobRefused,
             Self::CannotCreate(_) => Code::CannotCreate,
-            Self::InputOutput(_) => Code::InputOutput,
+            Self::InputOutput(_) | Self::Unread => Code::InputOutput,
             Self::Audit(_) => Code::Audit,
             Self::Internal(_) => Code::InternalError,
             Self::Busy(_) => Code::RunInUse,
@@ -159,6 +163,11 @@ impl Failure {
     /// Whether a file or directory cannot be created.
     pub fn is_of_creating(&self) -> bool {
         self.exit_code() == 73
+    }
+
+    /// Whether nobody reads standard output any more.
+    pub fn is_unread(&self) -> bool {
+        matches!(self, Self::Unread)
     }
 
     /// The message of it.
@@ -236,6 +245,9 @@ impl Failure {
 
     /// A result could not be written to standard output.
     pub fn output(error: &io::Error) -> Self {
+        if error.kind() == io::ErrorKind::BrokenPipe {
+            return Self::Unread;
+        }
         Self::InputOutput(format!("cannot write to standard output: {error}"))
     }
 }

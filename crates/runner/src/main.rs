@@ -86,6 +86,9 @@ fn run() -> ExitCode {
 /// The end of a command line that asks for help or the version, or for something that does not exist.
 fn no_command(error: &clap::Error) -> ExitCode {
     messages::choose(messages::form_of(env::args_os()));
+    if let Some(failure) = cli::other_word(error) {
+        return fail(&failure);
+    }
     if matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion) {
         return error.print().map_or_else(|error| fail(&Failure::output(&error)), |()| ExitCode::SUCCESS);
     }
@@ -137,7 +140,10 @@ fn dispatch(command: Command, interrupt: &Interrupt) -> Result<(), Failure> {
 }
 
 fn fail(failure: &Failure) -> ExitCode {
-    failure.message().send();
+    // The tools of a shell do not complain of a reader that has seen enough either.
+    if !failure.is_unread() {
+        failure.message().send();
+    }
     ExitCode::from(failure.exit_code())
 }
 

@@ -16,6 +16,8 @@ mod reduction;
 
 mod plot;
 
+mod words;
+
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
@@ -32,6 +34,7 @@ pub use self::reduction::ReduceArguments;
 pub use self::start::StartArgument;
 pub use self::threads::ThreadsArgument;
 use self::values::{axis_value, html_file, parquet_file, probability, seed, whole_number};
+pub use self::words::other_word;
 use crate::export::format::Format;
 use crate::messages::Form;
 use crate::schedule::plan::Shard;
@@ -64,7 +67,7 @@ pub enum Command {
     Resume(ResumeArguments),
     /// Show the progress of a run, or of every run in a folder
     Status(StatusArguments),
-    /// Validate a job, and show it with all defaults, its cells, samples and expected cost
+    /// Validate a job, and show its cells, samples and expected cost; with --all also every key and its value
     Check(CheckArguments),
     /// List the parameters of the brake: symbols, units, ranges, values
     Parameters(ParametersArguments),
@@ -110,9 +113,12 @@ pub struct InitArguments {
     /// The file to write; - writes to standard output [default: job.toml, with --from NAME.toml]
     #[arg(value_name = "FILE")]
     pub file: Option<PathBuf>,
-    /// Write one of the jobs that come with the program, with the files that it names; a name that is none lists them
+    /// Write one of the jobs that come with the program, with the files that it names
     #[arg(long, value_name = "NAME")]
     pub from: Option<String>,
+    /// List the jobs that come with the program
+    #[arg(long, conflicts_with_all = ["file", "from"])]
+    pub list: bool,
 }
 
 /// Arguments of `submit`.

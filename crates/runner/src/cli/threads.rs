@@ -2,11 +2,13 @@
 
 use clap::Args;
 
+use super::values::threads;
+
 /// How many threads.
 #[derive(Debug, Args)]
 pub struct ThreadsArgument {
     /// Threads [default: all processors]; the result does not depend on them
-    #[arg(long = "threads", value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long = "threads", value_name = "N", value_parser = threads, allow_negative_numbers = true)]
     threads: Option<u16>,
 }
 

@@ -13,6 +13,13 @@ pub fn whole_number(text: &str) -> Result<u64, String> {
     number.ok_or_else(|| "write a whole number, for example 10000, 10_000 or 1e4".to_owned())
 }
 
+/// A number of threads.
+pub fn threads(text: &str) -> Result<u16, String> {
+    const MOST: u16 = 1024;
+    let threads = text.parse().ok().filter(|threads| (1..=MOST).contains(threads));
+    threads.ok_or_else(|| format!("a number of threads is a whole number from 1 to {MOST}, for example 4"))
+}
+
 /// A seed in the range that a job spec allows.
 pub fn seed(text: &str) -> Result<u64, String> {
     let seed = text.replace('_', "").parse().ok().filter(|&seed: &u64| i64::try_from(seed).is_ok());

@@ -7,10 +7,11 @@ use serde_json::{Value, json};
 use stickslip_core::model::quantity::{Quantity, Role};
 use stickslip_sampler::draw::identity::BLOCK_SAMPLES;
 
+use super::named_job::read_job;
 use crate::cli::CheckArguments;
 use crate::evaluate::evaluator::Evaluator;
 use crate::failure::Failure;
-use crate::job::{Job, JobSource};
+use crate::job::Job;
 use crate::output::{counted, rate, result, shown, warn};
 use crate::schedule::engine::Engine;
 use crate::schedule::time_left::Prediction;
@@ -27,7 +28,7 @@ struct Cost {
 /// `stickslip check`.
 pub fn check(arguments: &CheckArguments) -> Result<(), Failure> {
     let begun = Instant::now();
-    let source = JobSource::read(&arguments.job)?;
+    let source = read_job(&arguments.job)?;
     let job = source.job()?;
     warn(job.warnings());
     let threads = arguments.threads.count();

@@ -9,12 +9,13 @@ use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
 use super::adoption::{RunState, adopt_as_shard};
+use super::named_job::read_job;
 use super::submit::{map_directories, merge, require_samples_to_share};
 use crate::cli::{EngineKind, MergeArguments, SubmitArguments, WAIT};
 use crate::failure::{Advice, Failure};
 use crate::files::bounded::read_file;
 use crate::interrupt::Interrupt;
-use crate::job::{Job, JobSource, Overrides};
+use crate::job::{Job, Overrides};
 use crate::messages::are_json;
 use crate::output::{note, quoted, result, warn};
 use crate::shell::in_quotes;
@@ -43,7 +44,7 @@ const MOST_QUOTED: usize = 500;
 pub fn submit_to_engine(arguments: &SubmitArguments, interrupt: &Interrupt) -> Result<(), Failure> {
     let (Some(kind), Some(shards)) = (arguments.engine.engine, arguments.engine.shards) else { return Ok(()) };
     let overrides = Overrides { seed: arguments.seed, samples: arguments.samples };
-    let source = JobSource::read(&arguments.job)?.with(overrides)?;
+    let source = read_job(&arguments.job)?.with(overrides)?;
     let job = source.job()?;
     warn(job.warnings());
     require_samples_to_share(&job, "--engine")?;

@@ -7,6 +7,7 @@ use clap::builder::PossibleValuesParser;
 use clap_complete::Shell;
 
 use super::parameters;
+use super::shipped_jobs::SHIPPED;
 use crate::cli::{Cli, CompletionsArguments, ManArguments};
 use crate::failure::Failure;
 use crate::files::publish::publish;
@@ -27,6 +28,8 @@ pub fn completions(arguments: &CompletionsArguments) -> Result<(), Failure> {
         let offered = PossibleValuesParser::new(keys.clone());
         command = command.mut_subcommand(name, |command| command.mut_arg("set", |set| set.value_parser(offered)));
     }
+    let jobs = PossibleValuesParser::new(SHIPPED.iter().map(|job| job.name));
+    command = command.mut_subcommand("init", |command| command.mut_arg("from", |from| from.value_parser(jobs)));
     let mut script = Vec::new();
     clap_complete::generate(arguments.shell, &mut command, "stickslip", &mut script);
     let script = String::from_utf8_lossy(&script).into_owned();

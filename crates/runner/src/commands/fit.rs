@@ -11,6 +11,7 @@ use stickslip_sampler::inputs::{Marginal, PairParameter};
 use super::brake_tests::{BrakeTests, read_tests};
 use super::fit_picture::{fit_picture, preloads};
 use super::fitted_job::fitted_job;
+use super::named_job::read_job;
 use crate::cli::{EstimateArgument, FitArguments};
 use crate::failure::Failure;
 use crate::files::publish::publish_first;
@@ -51,7 +52,7 @@ impl From<EstimateArgument> for PairParameter {
 /// `stickslip fit`.
 pub fn fit(arguments: &FitArguments) -> Result<(), Failure> {
     let out = arguments.out.as_deref().map(checked_out).transpose()?;
-    let source = JobSource::read(&arguments.job)?;
+    let source = read_job(&arguments.job)?;
     let job = source.job()?;
     warn(job.warnings());
     let estimated: Vec<PairParameter> = arguments.estimate.iter().map(|&argument| argument.into()).collect();

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::shipped_jobs::ShippedJob;
+use super::shipped_jobs::{ShippedJob, listed};
 use crate::cli::InitArguments;
 use crate::failure::Failure;
 use crate::files::bounded::holds;
@@ -15,6 +15,9 @@ const EXAMPLE: &str = include_str!("example.toml");
 
 /// `stickslip init`.
 pub fn init(arguments: &InitArguments) -> Result<(), Failure> {
+    if arguments.list {
+        return result(&listed());
+    }
     let named = |name: &String| ShippedJob::named(name).map_err(|why| Failure::Usage(format!("--from: {why}")));
     let shipped = arguments.from.as_ref().map(named).transpose()?;
     let (default, text) = shipped.map_or(("job.toml".into(), EXAMPLE), |job| (format!("{}.toml", job.name), job.text));

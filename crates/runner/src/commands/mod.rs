@@ -2,6 +2,8 @@
 
 mod shipped_jobs;
 
+mod named_job;
+
 mod init;
 
 mod run_progress;

@@ -12,12 +12,13 @@ use stickslip_core::models::pad_on_disc::parameters::{ParameterError, Parameters
 use stickslip_core::models::pad_on_disc::rigid_disc::pad_on_disc::PadOnDisc;
 use stickslip_sampler::grid::Cell;
 
+use super::named_job::read_job;
 use crate::cli::BrakeArguments;
 use crate::failure::Failure;
 use crate::job::friction::{LawSpec, SmoothingSpec, check_band, read_curve};
 use crate::job::models::pad_on_disc::keys::parameter_of_axis;
 use crate::job::models::pad_on_disc::preload_force::{self, PRELOAD};
-use crate::job::{Job, JobSource, plausibility, unknown_parameter};
+use crate::job::{Job, plausibility, unknown_parameter};
 use crate::output::{note, warn};
 use crate::store::directory::RunDirectory;
 use crate::units;
@@ -60,7 +61,7 @@ pub fn chosen_cell(arguments: &BrakeArguments) -> Result<Option<(Job, Cell)>, Fa
 
 /// The job in a file or of a run, with a cell of it, or that in the middle of its axes, with any band.
 pub fn cell_of(path: &Path, cell: Option<u64>) -> Result<(Job, Cell), Failure> {
-    let job = if path.is_dir() { RunDirectory::view(path)?.job()? } else { JobSource::read(path)?.job()? };
+    let job = if path.is_dir() { RunDirectory::view(path)?.job()? } else { read_job(path)?.job()? };
     with_cell(job, cell)
 }
 

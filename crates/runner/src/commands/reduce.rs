@@ -25,6 +25,7 @@ use stickslip_sampler::draw::deviates::Points;
 
 use super::kept_beside::KeptBeside;
 use super::modes::JobModes;
+use super::named_job::read_job;
 use crate::cli::ReduceArguments;
 use crate::evaluate::remembering::Asked;
 use crate::evaluate::samples::Drawing;
@@ -54,7 +55,7 @@ const OTHER_DIGITS: &str = "reduced on a processor that lacks AVX2 or FMA: the l
 /// `stickslip reduce`.
 pub fn reduce(arguments: &ReduceArguments) -> Result<(), Failure> {
     let ReduceArguments { job: path, vectors, audit, out } = arguments;
-    let source = JobSource::read(path)?;
+    let source = read_job(path)?;
     let job = JobSource { text: with_full_matrices(&source.text), ..source.clone() }.job()?;
     let model = JobModes::new(&job)?.model;
     let Problem::Sparse(matrices) = model.problem() else {

@@ -68,9 +68,7 @@ impl ShippedJob {
         }
         let hint = nearest(plain, SHIPPED.iter().map(|job| job.name));
         let hint = hint.map_or(".".to_owned(), |name| format!("; did you mean {name}?"));
-        let width = SHIPPED.iter().map(|job| job.name.len()).max().unwrap_or(0);
-        let line = |job: &Self| format!("\n  {:width$}  {}", job.name, job.description());
-        let all: String = SHIPPED.iter().map(line).collect();
+        let all: String = listed().lines().map(|line| format!("\n  {line}")).collect();
         Err(format!("there is no job {name:?}{hint} The jobs are:{all}"))
     }
 
@@ -79,6 +77,12 @@ impl ShippedJob {
         let table: toml::Table = self.text.parse().unwrap_or_default();
         table.get("description").and_then(toml::Value::as_str).unwrap_or_default().to_owned()
     }
+}
+
+/// A line for each job: its name, and what it is for.
+pub fn listed() -> String {
+    let width = SHIPPED.iter().map(|job| job.name.len()).max().unwrap_or(0);
+    SHIPPED.iter().map(|job| format!("{:width$}  {}\n", job.name, job.description())).collect()
 }
 
 #[cfg(test)]
