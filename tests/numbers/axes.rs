@@ -181,9 +181,7 @@ fn axes_and_starts_are_refused_with_the_remedy() {
         ),
         (
             rigid("", "inputs = [\"preload\"]\nrelative_std = 0.1\nstd = { preload = 0.1 }", ""),
-            &[
-                "random.std is for quantities whose expected value may be 0, as numbers of a start and friction.band; preload scatters in proportion to its expected value",
-            ],
+            &["random.relative_std = 0.1 is for no input: all scatter by random.std; remove random.relative_std"],
         ),
         (
             rigid("", "inputs = [\"start.tangential\"]\nstd = { \"start.tangential\" = 1e-4 }", ""),

@@ -347,3 +347,78 @@ fn samples_outside_physics_are_counted_and_treated_as_the_job_specifies() {
     );
     place.run("check exact.toml").refused(65, &["outside_physics", "method = \"exact\"", "monte-carlo"]);
 }
+
+/// A job over preload and friction, whose scatter is given by `random` and whose preloads are `preloads`.
+fn scattered(preloads: &str, random: &str, sampling: &str) -> String {
+    format!(
+        "name = \"scattered\"\n[axes]\nrotating_speed = 15.0\npreload = {preloads}\nstatic_friction = 0.39\n[random]\n\
+         inputs = [\"preload\", \"static_friction\"]\n{random}\n[criterion]\nkind = \"eigenvalue\"\n[sampling]\n{sampling}\n"
+    )
+}
+
+#[test]
+fn a_standard_deviation_in_units_gives_in_each_cell_what_its_relative_one_gives() {
+    let place = Place::new();
+    let preloads = [0.05, 0.1, 0.16];
+    let exact = "method = \"exact\"";
+    for (name, distribution) in [("normal", ""), ("lognormal", "\ndistribution = \"lognormal\"")] {
+        let absolute = format!("relative_std = {{ static_friction = 0.08 }}\nstd = {{ preload = 0.02 }}{distribution}");
+        for (method, sampling, tolerance) in [("exact", exact, 1e-12), ("drawn", "samples = 2000\nseed = 3", 0.0)] {
+            let run = format!("{name}-{method}");
+            let table = submitted(&place, &run, &scattered("[0.05, 0.1, 0.16]", &absolute, sampling));
+            assert_eq!(table.column("std_preload"), [0.02; 3]);
+            assert_eq!(table.column("std_static_friction"), [0.08; 3]);
+            for (cell, preload) in preloads.into_iter().enumerate() {
+                let std = 0.02 / preload;
+                let relative = format!("relative_std = {{ static_friction = 0.08, preload = {std} }}{distribution}");
+                let alone =
+                    submitted(&place, &format!("{run}-{cell}"), &scattered(&preload.to_string(), &relative, sampling));
+                let [found, expected] = [table.column("p_unstable")[cell], alone.column("p_unstable")[0]];
+                // Samples of the first cell alone are those of the other job.
+                if method == "exact" || cell == 0 {
+                    assert!((found - expected).abs() <= tolerance, "{run} {preload}: {found} {expected}");
+                }
+                assert!(method == "drawn" || (0.001..0.999).contains(&found), "{run} {preload}: {found}");
+            }
+        }
+    }
+    // At a limit the probability is the target, whichever way it is found.
+    place.write(
+        "job.toml",
+        &scattered("{ from = 0.05, to = 0.16, points = 3 }", "std = { preload = 0.02, static_friction = 0.03 }", exact),
+    );
+    let found = place.run("limit job.toml --of preload --probability 0.3 --json").done().stdout;
+    let found: serde_json::Value = serde_json::from_str(&found).unwrap();
+    let limit = found["limits"][0]["limit"].as_f64().unwrap();
+    let there = scattered(&limit.to_string(), "std = { preload = 0.02, static_friction = 0.03 }", exact);
+    let p = submitted(&place, "there", &there).column("p_unstable")[0];
+    assert!((p - 0.3).abs() < 1e-9, "{limit}: {p}");
+    for (random, texts) in [
+        (
+            "std = { preload = 0.2, static_friction = 0.03 }",
+            &["random.std of preload", "relative standard deviation of 4"][..],
+        ),
+        ("std = { preload = -0.1 }\nrelative_std = 0.1", &["random.std of preload = -0.1 is out of range"]),
+        (
+            "std = { preload = 0.1, static_friction = 0.1 }\ndistribution = { preload = { values = [0.1, 0.2] } }",
+            &["random.std gives 0.1 for preload, but preload has measured values"],
+        ),
+    ] {
+        place.write("job.toml", &scattered("0.05", random, exact));
+        place.run("check job.toml").refused(65, texts);
+    }
+}
+
+#[test]
+fn a_parameter_of_matrices_scatters_by_its_own_unit() {
+    let place = Place::new();
+    // Unstable where 4/3 of the friction is more than the coupling: beyond 0.75.
+    let job = "name = \"masses\"\n[model]\nkind = \"matrices\"\nmass = { matrix = [[1, 0], [0, 1]] }\n\
+        stiffness = [{ matrix = [[2, 1], [1, 2]] }, { matrix = [[0, -1.3333333333333333], [0, 0]], factor = \"friction\" }]\n\
+        parameters = { friction = 0.7 }\n[random]\ninputs = [\"friction\"]\nstd = { friction = 0.3 }\n\
+        [criterion]\nkind = \"complex-eigenvalue\"\n[sampling]\nmethod = \"exact\"\n";
+    let table = submitted(&place, "masses", job);
+    // The normal distribution function at -1/6.
+    assert!((table.column("p_unstable")[0] - 0.433_816_167_389).abs() < 1e-6, "{:?}", table.column("p_unstable"));
+    assert_eq!(table.column("std_friction"), [0.3]);
+}

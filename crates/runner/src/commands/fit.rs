@@ -129,6 +129,11 @@ fn model(job: &Job, estimated: &[PairParameter]) -> Result<FitModel, String> {
             "random.relative_std lists several values; give one, which stands where it is not estimated".to_owned()
         );
     }
+    if job.random.absolute().next().is_some() {
+        return Err(
+            "fit estimates relative standard deviations; give random.relative_std in place of random.std".to_owned()
+        );
+    }
     let frictions = job.grid.values_of(STATIC_FRICTION);
     if frictions.len() > 1 && !estimated.contains(&PairParameter::Expected(1)) {
         return Err("axes.static_friction has several values; give the one of the brakes that were tested, or estimate static_friction".to_owned());

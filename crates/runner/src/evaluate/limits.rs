@@ -235,13 +235,11 @@ impl<'a> LimitSearch<'a> {
         }))
     }
 
-    /// The pair in a cell with another value of the axis, if that is one of the pair.
+    /// The pair in a cell with another value of the axis.
     fn moved(&self, cell: &Cell, value: f64) -> NormalPair {
-        let mut pair = self.job.normal_pair(cell);
-        if let Some(varied) = self.axis.varied {
-            pair.expected[varied] = value;
-        }
-        pair
+        let mut cell = cell.clone();
+        cell.expected[self.axis.quantity] = value;
+        self.job.normal_pair(&cell)
     }
 }
 

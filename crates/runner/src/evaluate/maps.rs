@@ -2,6 +2,7 @@
 
 use stickslip_sampler::grid::Cell;
 use stickslip_sampler::inputs::Marginal;
+use stickslip_sampler::integrate::NormalPair;
 use stickslip_sampler::verdict_map::boundary_curve::Box2;
 use stickslip_sampler::verdict_map::map::VerdictMap;
 use stickslip_sampler::verdict_map::tile::{TILES, Tile, TileIndex};
@@ -162,16 +163,15 @@ impl Spread {
 /// The ranges of the samples of a cell in the two coordinates of a map.
 fn spread(job: &Job, cell: &Cell, origin: f64) -> [Spread; 2] {
     let random = &job.random;
-    let stds = &random.relative_stds[cell.scatter];
-    let expected = job.normal_pair(cell).expected;
+    let NormalPair { expected, relative_std } = job.normal_pair(cell);
     let of = |which: usize, shift: f64| {
         let expected = expected[which];
         let Some(at) = random.pair()[which] else {
             return Spread { low: expected - shift, high: expected - shift, normal: None };
         };
-        let end = |z: f64| random.marginals[at].value(expected, stds[at], z) - shift;
+        let end = |z: f64| random.marginals[at].value(expected, relative_std[which], z) - shift;
         let is_plain = random.is_plain() && random.marginals[at] == Marginal::Normal;
-        let std = expected * stds[at];
+        let std = expected * relative_std[which];
         Spread {
             low: end(-REACH),
             high: end(REACH),

@@ -82,7 +82,8 @@ impl LimitMethod {
         }
         Ok(match (method.answer(), axis.varied) {
             (Answer::Weight | Answer::Population, _) => Self::WeightedSamples,
-            (Answer::Verdict, Some(varied)) => Self::CriticalValues(varied),
+            // Values of a sample are in proportion to the expected one, but for those of an input that scatters by `std`.
+            (Answer::Verdict, Some(varied)) if !job.is_absolute(axis.quantity) => Self::CriticalValues(varied),
             _ => Self::Samples,
         })
     }

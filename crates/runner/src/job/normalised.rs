@@ -54,7 +54,7 @@ impl Job {
         let random = &self.random;
         let name = |i: usize| self.quantity_of(i).name.to_string();
         let inputs = || 0..random.inputs.len();
-        let is_absolute = |i: usize| self.quantity_of(i).scatters_absolutely;
+        let is_absolute = |i: usize| random.is_absolute(i);
         let first = random.relative_stds.first();
         // Measured values have their own standard deviation, which is not given.
         let is_free = |&i: &usize| own_std(&random.marginals[i]).is_none() && !is_absolute(i);

@@ -28,12 +28,12 @@ pub struct RandomInputSet {
     pub pairs: Vec<(usize, usize, f64)>,
     /// Their correlation.
     pub correlation: Correlation,
-    /// For each entry of `relative_std`, the relative standard deviation of each input; of inputs of the start the
+    /// For each entry of `relative_std`, the relative standard deviation of each input; of inputs that scatter by `std` the
     /// standard deviation itself.
     pub relative_stds: Vec<Vec<f64>>,
     /// The positions of the pair of the model.
     of_pair: [Option<usize>; 2],
-    /// Whether the standard deviation of each is not relative to its expected value.
+    /// Whether the standard deviation of each is given by `std`, and not relative to its expected value.
     is_absolute: Vec<bool>,
 }
 
@@ -51,7 +51,7 @@ impl RandomInputSet {
         let (before, quantities) = (complaints.len(), names.quantities);
         let inputs = validate_inputs(random, names, complaints)?;
         let marginals = validate_distributions(random, &inputs, names, folder, complaints);
-        let relative_stds =
+        let stds =
             marginals.as_ref().and_then(|marginals| complaints.take(validate_stds(random, &inputs, names, marginals)));
         let pairs = validate_pairs(random, &inputs, names, complaints);
         let correlation = pairs.as_ref().and_then(|pairs| {
@@ -65,14 +65,15 @@ impl RandomInputSet {
         }
         let of_pair = quantities.iter().enumerate().filter(|(_, quantity)| quantity.role == Role::Input);
         let mut of_pair = of_pair.map(|(place, _)| inputs.iter().position(|input| *input == place));
+        let (relative_stds, is_absolute) = stds?;
         Some(Self {
             of_pair: [(); 2].map(|()| of_pair.next().flatten()),
-            is_absolute: inputs.iter().map(|input| quantities[*input].scatters_absolutely).collect(),
+            is_absolute,
             inputs,
             marginals: marginals?,
             pairs: pairs?,
             correlation: correlation?,
-            relative_stds: relative_stds?,
+            relative_stds,
         })
     }
 
@@ -133,9 +134,19 @@ impl RandomInputSet {
         self.others(None).first().map(|&position| self.inputs[position])
     }
 
+    /// Whether the standard deviation of the input at a position is not relative to its expected value.
+    pub fn is_absolute(&self, position: usize) -> bool {
+        self.is_absolute[position]
+    }
+
     /// The positions of inputs whose standard deviation is not relative to their expected value.
     pub fn absolute(&self) -> impl Iterator<Item = usize> {
         (0..self.inputs.len()).filter(|&i| self.is_absolute[i])
+    }
+
+    /// A standard deviation of the input at a position over an expected value of it.
+    pub fn relative(&self, position: usize, std: f64, expected: f64) -> f64 {
+        if self.is_absolute[position] && std > 0.0 { std / expected } else { std }
     }
 
     /// Whether all inputs are normal and independent.
@@ -164,8 +175,11 @@ impl RandomInputSet {
                 complaints.push(Complaint::maybe_at(span, message));
                 continue;
             }
+            // Integrals over the pair of the model know it by its relative standard deviations.
+            let is_of_pair = self.of_pair.contains(&Some(i));
             let check = |stds: &Vec<f64>, value: f64| match marginal {
-                _ if quantity.scatters_absolutely => marginal.check_absolute(value, stds[i]),
+                _ if self.is_absolute[i] && is_of_pair => marginal.check(value, stds[i] / value),
+                _ if self.is_absolute[i] => marginal.check_absolute(value, stds[i]),
                 // It may stand for any expected value: where that is zero, it does not scatter.
                 Marginal::Normal => marginal.check_scatter(stds[i]),
                 _ => marginal.check(value, stds[i]),
@@ -175,12 +189,14 @@ impl RandomInputSet {
             let checked = all.into_iter().try_for_each(|(stds, value)| check(stds, value));
             complaints.take(checked.map_err(|error| {
                 let (key, span) = match error {
+                    _ if self.is_absolute[i] && span.is_none() => ("std", random.std.as_ref().map(Spanned::span)),
                     MarginalError::NormalTooWide { .. } => {
                         ("relative_std", random.relative_std.as_ref().map(Spanned::span))
                     }
                     _ => ("distribution", span),
                 };
                 let hint = match error {
+                    _ if self.is_absolute[i] => String::new(),
                     MarginalError::NormalTooWide { value }
                     | MarginalError::UniformTooWide { value }
                     | MarginalError::TruncatedTooWide { value, .. }
@@ -212,8 +228,8 @@ impl RandomInputSet {
         for (i, (&input, marginal)) in self.inputs.iter().zip(&self.marginals).enumerate() {
             let (expected, quantity) = (grid.values_of(input), &quantities[input]);
             let largest = self.relative_stds.iter().map(|stds| stds[i]).fold(0.0, f64::max);
-            let is_relative = *marginal == Marginal::Normal && !quantity.scatters_absolutely;
-            if is_relative && largest > 0.0 && expected.contains(&0.0) {
+            let is_normal = *marginal == Marginal::Normal;
+            if is_normal && !self.is_absolute[i] && largest > 0.0 && expected.contains(&0.0) {
                 let cells = if expected.len() > 1 { "the cells where it is 0" } else { "any cell" };
                 let table = if grid.axis_of(input).is_some() { "axes" } else { "model" };
                 found.push(format!(
@@ -221,11 +237,13 @@ impl RandomInputSet {
                     name = quantity.name
                 ));
             }
-            let negative = normal::upper_tail(1.0 / largest);
-            let is_positive = quantity.limits.minimum >= 0.0 && expected.iter().any(|value| *value > 0.0);
-            if is_relative && is_positive && negative > MOST_NEGATIVE {
+            let least = expected.iter().copied().filter(|value| *value > 0.0).fold(f64::INFINITY, f64::min);
+            let negative = normal::upper_tail(1.0 / self.relative(i, largest, least));
+            let is_positive = quantity.limits.minimum >= 0.0 && least.is_finite();
+            if is_normal && is_positive && negative > MOST_NEGATIVE {
+                let key = if self.is_absolute[i] { "std" } else { "relative_std" };
                 found.push(format!(
-                    "random.relative_std of {name} = {largest} is not plausible: {:.1} % of its values are negative (usually less than 1 %, with a relative_std up to 0.42). Give a smaller one, or a distribution without negative values: distribution = {{ {name:?} = \"lognormal\" }}",
+                    "random.{key} of {name} = {largest} is not plausible: {:.1} % of its values are negative (usually less than 1 %, with a standard deviation up to 0.42 of the expected value). Give a smaller one, or a distribution without negative values: distribution = {{ {name:?} = \"lognormal\" }}",
                     100.0 * negative,
                     name = quantity.name
                 ));

@@ -26,11 +26,11 @@ pub struct RandomSpec {
     pub inputs: Option<Spanned<Vec<Spanned<String>>>>,
     /// Standard deviation over expected value, from 0 to what the distribution allows: 1 for a normal input. A list
     /// makes an axis of the grid. Required with inputs, but for those with measured values, which have their own, and
-    /// those of the start.
+    /// those of `std`.
     #[schemars(with = "Option<RelativeStdSpec>")]
     pub relative_std: Option<Spanned<RelativeStdSpec>>,
-    /// Standard deviations of numbers of the start and of `friction.band`, in their unit: `{ "start.velocity" = 0.05
-    /// }`. They are not relative, as these may be 0 on average. Required with such inputs.
+    /// Standard deviations in the units of the inputs, in place of relative ones: `{ static_friction = 0.03 }`. Required
+    /// with numbers of the start and `friction.band`, which may be 0 on average. An input with measured values has its own.
     #[schemars(with = "Option<BTreeMap<String, f64>>")]
     pub std: Option<Spanned<BTreeMap<Spanned<String>, Spanned<f64>>>>,
     /// The distribution of every input, or of each by name; those left out are normal.

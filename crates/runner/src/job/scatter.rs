@@ -44,7 +44,7 @@ pub fn position(inputs: &[usize], names: Names<'_>, name: &str, key: &str) -> Re
 enum Given {
     /// That of measured values, relative.
     Measured(f64),
-    /// That of a number of the start, in its unit.
+    /// That which `std` gives, in the unit of the input.
     Absolute(f64),
 }
 
@@ -55,22 +55,24 @@ impl Given {
     }
 }
 
-/// The standard deviation of each input of the start, from `random.std`.
+/// The standard deviations that `random.std` gives.
 fn validate_absolute_stds(
     random: &RandomSpec,
     inputs: &[usize],
     names: Names<'_>,
+    marginals: &[Marginal],
 ) -> Result<Vec<Option<f64>>, Complaint> {
     let quantities = names.quantities;
     let spec = random.std.as_ref().map(Spanned::get_ref);
     for (name, value) in spec.into_iter().flatten() {
         let complain = |message: String| Complaint::at(name.span(), message);
-        let input = &quantities[inputs[position(inputs, names, name.get_ref(), "std").map_err(complain)?]];
-        if !input.scatters_absolutely {
+        let position = position(inputs, names, name.get_ref(), "std").map_err(complain)?;
+        let input = &quantities[inputs[position]];
+        // What must scatter by `std` is refused with measured values elsewhere.
+        if let (Some(std), false) = (own_std(&marginals[position]), input.scatters_absolutely) {
             return Err(complain(format!(
-                "random.std is for quantities whose expected value may be 0, as numbers of a start and friction.band; {} scatters in proportion to its expected value: write relative_std = {{ {} = ... }}",
-                input.name,
-                quoted_key(input)
+                "random.std gives {} for {name}, but {name} has measured values and scatters as they do (by {std:.4} of its expected value); remove {name} from it",
+                value.get_ref()
             )));
         }
         let std = *value.get_ref();
@@ -82,37 +84,38 @@ fn validate_absolute_stds(
     let std = |input: &usize| {
         let input = &quantities[*input];
         let given = || spec?.iter().find(|(name, _)| *name.get_ref() == input.name).map(|(_, std)| *std.get_ref());
-        match input {
-            input if input.scatters_absolutely => given().map(Some).ok_or_else(|| {
+        match given() {
+            None if input.scatters_absolutely => {
                 let message = format!(
                     "random.std has no value for {name}, which random.inputs lists: how much does it scatter? For example std = {{ \"{name}\" = 0.05 }}, in its unit",
                     name = input.name
                 );
-                Complaint::maybe_at(random.inputs.as_ref().map(Spanned::span), message)
-            }),
-            _ => Ok(None),
+                Err(Complaint::maybe_at(random.inputs.as_ref().map(Spanned::span), message))
+            }
+            given => Ok(given),
         }
     };
     inputs.iter().map(std).collect()
 }
 
-/// The relative standard deviation of each input, for each entry of `random.relative_std`; of inputs of the start the
-/// standard deviation itself.
+/// The relative standard deviation of each input, for each entry of `random.relative_std`, or the standard deviation that
+/// `random.std` gives; and whether it is that.
 pub fn validate_stds(
     random: &RandomSpec,
     inputs: &[usize],
     names: Names<'_>,
     marginals: &[Marginal],
-) -> Result<Vec<Vec<f64>>, Complaint> {
+) -> Result<(Vec<Vec<f64>>, Vec<bool>), Complaint> {
     let measured = marginals.iter().map(|marginal| own_std(marginal).map(Given::Measured));
-    let absolute = validate_absolute_stds(random, inputs, names)?;
+    let absolute = validate_absolute_stds(random, inputs, names, marginals)?;
+    let is_absolute = absolute.iter().map(Option::is_some).collect();
     let own: Vec<Option<Given>> =
         measured.zip(absolute).map(|(measured, absolute)| absolute.map(Given::Absolute).or(measured)).collect();
     let Some(spec) = &random.relative_std else {
         if let Some(stds) = own.iter().map(|own| own.map(Given::value)).collect() {
-            return Ok(vec![stds]);
+            return Ok((vec![stds], is_absolute));
         }
-        let message = "random.relative_std is missing: how much do the inputs scatter? For example relative_std = 0.2";
+        let message = "random.relative_std is missing: how much do the inputs scatter? For example relative_std = 0.2, or std with values in units";
         return Err(Complaint::missing("relative_std", random.inputs.as_ref().map(Spanned::span), message));
     };
     let complain = |message: String| Complaint::at(spec.span(), message);
@@ -140,7 +143,7 @@ pub fn validate_stds(
     if all.is_empty() {
         return Err(complain("random.relative_std is empty; it needs at least one value".to_owned()));
     }
-    Ok(all)
+    Ok((all, is_absolute))
 }
 
 /// What may have been meant by a relative standard deviation that is too large, as the end of a message.
@@ -174,7 +177,7 @@ fn stds_of(entry: &StdSpec, inputs: &[usize], names: Names<'_>, own: &[Option<Gi
                 ))
             }
             None if own.iter().all(Option::is_some) => Err(format!(
-                "random.relative_std = {value} is for no input: those of the start scatter by random.std; remove random.relative_std"
+                "random.relative_std = {value} is for no input: all scatter by random.std; remove random.relative_std"
             )),
             None => Ok(own.iter().map(|own| own.map_or(*value, Given::value)).collect()),
         },
@@ -183,7 +186,7 @@ fn stds_of(entry: &StdSpec, inputs: &[usize], names: Names<'_>, own: &[Option<Gi
                 let input = position(inputs, names, name, "relative_std")?;
                 if let Some(Given::Absolute(_)) = own[input] {
                     return Err(format!(
-                        "random.relative_std gives {value} for {name}, which scatters by random.std, as its expected value may be 0; remove {name} from it"
+                        "random.relative_std gives {value} for {name}, which scatters by random.std; remove {name} from random.relative_std"
                     ));
                 }
                 if let Some(Given::Measured(std)) = own[input] {

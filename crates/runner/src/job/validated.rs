@@ -292,14 +292,19 @@ impl Job {
         cell.expected[self.random.inputs[input]]
     }
 
-    /// The standard deviation of a random input in a cell, relative but for quantities that scatter absolutely.
+    /// The standard deviation of a random input in a cell, relative but for inputs that scatter by `random.std`.
     pub fn std(&self, input: usize, cell: &Cell) -> f64 {
         self.random.relative_stds[cell.scatter][input]
     }
 
+    /// Whether the quantity at a place is a random input whose standard deviation is not relative to its expected value.
+    pub fn is_absolute(&self, place: usize) -> bool {
+        self.random.position(place).is_some_and(|position| self.random.is_absolute(position))
+    }
+
     /// The distribution of the random input at `position` in a cell.
     pub fn distribution(&self, position: usize, cell: &Cell) -> InputDistribution {
-        let is_absolute = self.quantity_of(position).scatters_absolutely;
+        let is_absolute = self.random.is_absolute(position);
         let of = if is_absolute { InputDistribution::absolute } else { InputDistribution::relative };
         of(&self.random.marginals[position], self.expected(position, cell), self.std(position, cell))
     }
@@ -307,8 +312,9 @@ impl Job {
     /// The pair of the model in a cell, as if it were normal and independent; of a model without, two constants.
     pub fn normal_pair(&self, cell: &Cell) -> NormalPair {
         let of = |place: usize| {
-            let std = self.random.position(place).map_or(0.0, |input| self.std(input, cell));
-            (cell.expected[place], std)
+            let expected = cell.expected[place];
+            let relative = |input: usize| self.random.relative(input, self.std(input, cell), expected);
+            (expected, self.random.position(place).map_or(0.0, relative))
         };
         let [first, second] = self.model().pair().map_or([(0.0, 0.0); 2], |pair| pair.map(of));
         NormalPair { expected: [first.0, second.0], relative_std: [first.1, second.1] }

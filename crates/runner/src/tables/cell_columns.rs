@@ -35,10 +35,7 @@ pub fn shown(job: &Job) -> impl Iterator<Item = CellColumn> {
 
 /// Expected values of configurations that every surface shows, and the standard deviations of the pair.
 pub fn shown_of_configurations(job: &Job) -> impl Iterator<Item = CellColumn> {
-    let std = |place: usize| {
-        let meaning = format!("standard deviation of the {} over its expected value", job.quantity(place).noun());
-        CellColumn::std(job, place, meaning)
-    };
+    let std = |place: usize| CellColumn::std(job, place, &format!("the {}", job.quantity(place).noun()));
     always_shown(job, false).chain(job.model().pair().into_iter().flatten().map(std))
 }
 
@@ -69,23 +66,25 @@ impl CellColumn {
         }
     }
 
-    /// The standard deviation of a quantity, 0 for one that does not scatter.
-    pub fn std(job: &Job, place: usize, long_name: String) -> Self {
+    /// The standard deviation of a quantity that is called `what`, 0 for one that does not scatter.
+    fn std(job: &Job, place: usize, what: &str) -> Self {
         let quantity = job.quantity(place);
         let stds = stds_of(job, place);
+        let (unit, over) = match job.is_absolute(place) {
+            true => (quantity.unit.clone(), ""),
+            false => ("1".into(), " over its expected value"),
+        };
         Self {
             name: format!("std_{}", quantity.name).into(),
-            unit: if quantity.scatters_absolutely { quantity.unit.clone() } else { "1".into() },
-            long_name,
+            unit,
+            long_name: format!("standard deviation of {what}{over}"),
             value: Box::new(move |cell| stds[cell.scatter]),
         }
     }
 
     /// The standard deviation of a random input, as columns beside those of every surface have it.
     pub fn std_of_input(job: &Job, place: usize) -> Self {
-        let quantity = job.quantity(place);
-        let over = if quantity.scatters_absolutely { "" } else { " over its expected value" };
-        Self::std(job, place, format!("standard deviation of {}{over}", quantity.name))
+        Self::std(job, place, &job.quantity(place).name)
     }
 }
 

@@ -376,7 +376,7 @@ fn add_missing(columns: &mut Vec<Column>, column: CellColumn) {
 fn add_moments(columns: &mut Vec<Column>, job: &Job, place: usize, marginal: &Marginal) {
     let quantity = job.quantity(place);
     let (name, unit) = (&quantity.name, &quantity.unit);
-    let (is_absolute, marginal) = (quantity.scatters_absolutely, marginal.clone());
+    let (is_absolute, marginal) = (job.is_absolute(place), marginal.clone());
     let stds = stds_of(job, place);
     let moments = move |row: &SurfaceRow| {
         let (expected, std) = (row.cell.expected[place], stds[row.cell.scatter]);

@@ -301,9 +301,11 @@ impl JobModel for PadJob {
     }
 
     fn map_refusal(&self, grid: &Grid, random: &RandomInputSet) -> Option<String> {
-        let widest = random
-            .position(STATIC_FRICTION)
-            .map_or(0.0, |input| random.relative_stds.iter().map(|stds| stds[input]).fold(0.0, f64::max));
+        let [least, _] = grid.extremes_of(STATIC_FRICTION);
+        let widest = random.position(STATIC_FRICTION).map_or(0.0, |input| {
+            let stds = random.relative_stds.iter().map(|stds| random.relative(input, stds[input], least));
+            stds.fold(0.0, f64::max)
+        });
         let parameters = self.model.parameters();
         let (speed, rate) = criterion::growth_without_fall(self.model.criterion(), parameters, grid, widest)?;
         Some(format!(
