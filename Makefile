@@ -12,7 +12,7 @@ MDBOOK = $(MDBOOK_ROOT)/bin/mdbook
 # What `make check` does.
 CHECKS = check-format check-dependencies check-lints check-documentation check-packages check-stages
 
-.PHONY: run test quick test-optimisation test-faults test-slurm test-parallel program check $(CHECKS) packages docs docs-pictures wheel dist local test-python test-dist test-release test-reproducible test-aarch64 install uninstall bench bench-peers validity coverage clean
+.PHONY: run test quick test-optimisation test-faults test-slurm test-parallel program check $(CHECKS) packages docs docs-pictures wheel dist-wheel dist local test-python test-dist test-release test-reproducible test-aarch64 install uninstall bench bench-peers validity coverage clean
 .DEFAULT_GOAL := run
 # Targets share folders, and cargo uses all processors anyway.
 .NOTPARALLEL:
@@ -77,49 +77,45 @@ test-slurm test-parallel: test-%: program
 program:
 	if [ "$(PROGRAM)" = "$(STICKSLIP)" ]; then $(CARGO) build --locked --release; fi
 
-# The program for those who have no toolchain, in target/dist: as a wheel, which is the Python package, and as an archive with
-# manual pages, completions, licences and a list of parts. Both hold the same program. It runs on every Linux with glibc 2.17
-# or newer (manylinux2014), to which Zig links. The same commit gives the same bytes. `make dist
-# DIST_TARGET=aarch64-unknown-linux-gnu` builds for another processor.
+# The Python package for this machine and those like it, in target/local: a wheel with the program that cargo builds here, and
+# that was tested. Where the program is built, this takes less than a minute.
 PACKAGING = target/packaging
-CYCLONEDX_VERSION = 0.5.9
-CYCLONEDX_ROOT = target/cyclonedx-$(CYCLONEDX_VERSION)
-CYCLONEDX = $(CYCLONEDX_ROOT)/bin/cargo-cyclonedx
-DIST = target/dist
-HOST_TARGET = $(shell uname -m)-unknown-linux-gnu
-DIST_TARGET = $(HOST_TARGET)
-DIST_WHEEL = $(DIST)/stickslip-*_$(firstword $(subst -, ,$(DIST_TARGET))).whl
+LOCAL = target/local
 SOURCE_DATE_EPOCH ?= $(or $(shell git log -1 --format=%ct 2>/dev/null),315532800)
-PACKAGED = PATH="$(CURDIR)/$(PACKAGING)/bin:$(CURDIR)/$(CYCLONEDX_ROOT)/bin:$$PATH" SOURCE_DATE_EPOCH=$(SOURCE_DATE_EPOCH)
+PACKAGED = PATH="$(CURDIR)/$(PACKAGING)/bin:$$PATH" SOURCE_DATE_EPOCH=$(SOURCE_DATE_EPOCH)
 
-wheel: $(PACKAGING)/ready $(CYCLONEDX)
-	rm -f $(DIST_WHEEL)
-	$(PACKAGED) packaging/build.sh $(DIST_TARGET) $(DIST)
+wheel: program $(PACKAGING)/ready
+	rm -rf $(LOCAL)
+	$(PACKAGED) maturin build --quiet --release --locked --strip false --compatibility linux --out $(LOCAL)
+	$(PACKAGED) python -B packaging/wheel.py $(HOST_TARGET) $(LOCAL)/stickslip-*.whl
 
-# Where the program does not run on this machine, the one that does writes the manual.
-dist: wheel $(if $(filter $(HOST_TARGET),$(DIST_TARGET)),,program)
-	rm -f $(DIST)/stickslip-$(DIST_TARGET)-v*
-	$(PACKAGED) python -B packaging/archive.py $(DIST_TARGET) $(DIST_WHEEL) \
-		$(if $(filter $(HOST_TARGET),$(DIST_TARGET)),-,$(PROGRAM)) $(DIST)
+# The same with the archive. Not to be passed on: their list of parts and their README are those of a release.
+local: wheel
+	$(PACKAGED) python -B packaging/archive.py $(HOST_TARGET) $(LOCAL)/stickslip-*.whl - $(LOCAL)
 
 $(PACKAGING)/ready: packaging/requirements.txt
 	$(PYTHON) -m venv $(PACKAGING)
 	$(PACKAGING)/bin/python -m pip install --quiet --disable-pip-version-check -r $<
 	touch $@
 
-# What lists the crates in the program. It is built as mdBook is, in a minute and a half of processor time.
-$(CYCLONEDX):
-	$(CARGO) install cargo-cyclonedx --version $(CYCLONEDX_VERSION) --locked --root $(CYCLONEDX_ROOT) --debug
+# The program for those who have no toolchain, in target/dist: as a wheel, which is the Python package, and as an archive with
+# manual pages, completions, licences and a list of parts. Both hold the same program. It runs on every Linux with glibc 2.17
+# or newer (manylinux2014), to which Zig links, so that it is built once more. The same commit gives the same bytes. `make dist
+# DIST_TARGET=aarch64-unknown-linux-gnu` builds for another processor.
+DIST = target/dist
+HOST_TARGET = $(shell uname -m)-unknown-linux-gnu
+DIST_TARGET = $(HOST_TARGET)
+DIST_WHEEL = $(DIST)/stickslip-*_$(firstword $(subst -, ,$(DIST_TARGET))).whl
 
-# The same packages with the program that cargo builds here and that was tested, made in seconds. Not to be passed on: their
-# list of parts and their README are those of a release.
-LOCAL = target/local
+dist-wheel: $(PACKAGING)/ready
+	rm -f $(DIST_WHEEL)
+	$(PACKAGED) packaging/build.sh $(DIST_TARGET) $(DIST)
 
-local: program $(PACKAGING)/ready $(CYCLONEDX)
-	rm -rf $(LOCAL)
-	$(PACKAGED) maturin build --quiet --release --locked --strip false --compatibility linux --out $(LOCAL)
-	$(PACKAGED) python -B packaging/wheel.py $(HOST_TARGET) $(LOCAL)/stickslip-*.whl
-	$(PACKAGED) python -B packaging/archive.py $(HOST_TARGET) $(LOCAL)/stickslip-*.whl - $(LOCAL)
+# Where the program does not run on this machine, the one that does writes the manual.
+dist: dist-wheel $(if $(filter $(HOST_TARGET),$(DIST_TARGET)),,program)
+	rm -f $(DIST)/stickslip-$(DIST_TARGET)-v*
+	$(PACKAGED) python -B packaging/archive.py $(DIST_TARGET) $(DIST_WHEEL) \
+		$(if $(filter $(HOST_TARGET),$(DIST_TARGET)),-,$(PROGRAM)) $(DIST)
 
 test-python: local
 	rm -rf target/python-tests
@@ -152,9 +148,9 @@ test-reproducible: dist
 
 # The program for aarch64, run by an emulator: it gives what the program of this machine gives. Installs the emulator where
 # it is missing, for which it needs root and the packages of Debian.
-test-aarch64: wheel
+test-aarch64: dist-wheel
 	tests/dist/install-emulator.sh
-	$(MAKE) wheel DIST_TARGET=aarch64-unknown-linux-gnu
+	$(MAKE) dist-wheel DIST_TARGET=aarch64-unknown-linux-gnu
 	$(PACKAGED) tests/dist/aarch64.sh $(DIST)
 
 # Installs the program, its manual and completions for the shells. `make install PREFIX=/usr DESTDIR=stage` puts them below

@@ -56,13 +56,14 @@ def run(*command: str) -> str:
 
 def version() -> str:
     """The version of the program."""
-    [program] = [package for package in _metadata("--no-deps")["packages"] if package["name"] == "stickslip"]
+    [program] = [package for package in metadata("--no-deps")["packages"] if package["name"] == "stickslip"]
     return program["version"]
 
 
-def crates(bill: dict[str, Any]) -> list[Part]:
-    """The crates of a bill of materials that others made."""
-    packages = {(package["name"], package["version"]): package for package in _metadata()["packages"]}
+def crates(bill: dict[str, Any], target: str) -> list[Part]:
+    """The crates of a bill of materials for a target that others made."""
+    listed = metadata("--filter-platform", target)["packages"]
+    packages = {(package["name"], package["version"]): package for package in listed}
     found = []
     for component in bill["components"]:
         package = packages[component["name"], component["version"]]
@@ -121,7 +122,8 @@ def toolchain() -> list[Part]:
     ]
 
 
-def _metadata(*options: str) -> dict:
+def metadata(*options: str) -> dict[str, Any]:
+    """What cargo says of the packages."""
     cargo = os.environ.get("CARGO", "cargo")
     return json.loads(run(cargo, "metadata", "--locked", "--format-version", "1", *options))
 

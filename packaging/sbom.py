@@ -1,7 +1,7 @@
 """The parts of the program for other programs: a bill of materials in the format CycloneDX 1.5.
 
-cargo-cyclonedx lists the crates. What else is in the program is added here. With SOURCE_DATE_EPOCH set, the same program
-has the same bill.
+Cargo lists the crates, Cargo.lock their checksums. What else is in the program is added to them. The bill says nothing of
+where it was made, and its time is SOURCE_DATE_EPOCH, so that the same program has the same bill.
 """
 
 from __future__ import annotations
@@ -10,31 +10,74 @@ import hashlib
 import json
 import os
 import re
+import time
 from typing import Any
 
-from parts import REPOSITORY, Part, run
-
-#: The name under which cargo-cyclonedx writes a bill beside the manifest of every crate of the workspace.
-WRITTEN = "unfinished.cdx"
+from parts import REPOSITORY, PackagingError, Part, metadata
 
 
 def bill_of_crates(target: str) -> dict[str, Any]:
     """The bill of the crates that the program is built from for a target, but for those that only its tests and build
     scripts need. Procedural macros count, as what they write is compiled too."""
-    options = ["--format", "json", "--spec-version", "1.5", "--no-build-deps", "--quiet", "--override-filename", WRITTEN]
-    # It writes beside the manifests, and cargo would build again what lies in a folder that has changed.
-    times = {folder: folder.stat() for folder in REPOSITORY.glob("crates/*")}
-    try:
-        run(os.environ.get("CARGO", "cargo"), "cyclonedx", "--target", target, *options)
-        text = (REPOSITORY / "crates" / "runner" / f"{WRITTEN}.json").read_text(encoding="utf-8")
-    finally:
-        for written in REPOSITORY.glob(f"crates/*/{WRITTEN}.json"):
-            written.unlink()
-        for folder, before in times.items():
-            os.utime(folder, ns=(before.st_atime_ns, before.st_mtime_ns))
-    # Crates of the repository are named by where it lies.
-    text = re.sub(r'path\+file://[^"#]*#', "pkg:cargo/", text)
-    return json.loads(re.sub(r'\?download_url=file:[^"#]*', "", text))
+    known = metadata("--filter-platform", target)
+    packages = {package["id"]: package for package in known["packages"]}
+    needs = {
+        node["id"]: [one["pkg"] for one in node["deps"] if any(kind["kind"] is None for kind in one["dep_kinds"])]
+        for node in known["resolve"]["nodes"]
+    }
+    [program] = [identity for identity, package in packages.items() if package["name"] == "stickslip"]
+    reached, waiting = set(), [program]
+    while waiting:
+        identity = waiting.pop()
+        if identity not in reached:
+            reached.add(identity)
+            waiting += needs[identity]
+    checksums = _checksums()
+    # Identities of crates of the repository have its place in them; names do not.
+    crates = sorted((packages[identity] for identity in reached - {program}), key=lambda one: (one["name"], one["version"]))
+    own = {**_crate(packages[program], checksums), "type": "application"}
+    return {
+        "bomFormat": "CycloneDX",
+        "specVersion": "1.5",
+        "version": 1,
+        "metadata": {
+            "timestamp": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(int(os.environ["SOURCE_DATE_EPOCH"]))),
+            "component": own,
+        },
+        "components": [_crate(package, checksums) for package in crates],
+        "dependencies": [
+            {"ref": _url(package), "dependsOn": sorted(_url(packages[one]) for one in needs[package["id"]])}
+            for package in [packages[program], *crates]
+        ],
+    }
+
+
+def _checksums() -> dict[tuple[str, str], str]:
+    """The checksum of every crate of a registry, by name and version."""
+    lock = (REPOSITORY / "Cargo.lock").read_text(encoding="utf-8")
+    entry = re.compile(r'^name = "(.+)"\nversion = "(.+)"\nsource = ".+"\nchecksum = "(.+)"$', re.MULTILINE)
+    return {(name, version): checksum for name, version, checksum in entry.findall(lock)}
+
+
+def _url(package: dict[str, Any]) -> str:
+    return f"pkg:cargo/{package['name']}@{package['version']}"
+
+
+def _crate(package: dict[str, Any], checksums: dict[tuple[str, str], str]) -> dict[str, Any]:
+    """A crate as a part. An old form of its licence has a stroke where an expression has OR."""
+    if package["license"] is None:
+        raise PackagingError(f"{package['name']} {package['version']} names no licence")
+    url = _url(package)
+    checksum = checksums.get((package["name"], package["version"]))
+    return {
+        "type": "library",
+        "bom-ref": url,
+        "name": package["name"],
+        "version": package["version"],
+        **({} if checksum is None else {"hashes": [{"alg": "SHA-256", "content": checksum}]}),
+        "licenses": [{"expression": re.sub(r"\s*/\s*", " OR ", package["license"])}],
+        "purl": url,
+    }
 
 
 def bill_of_materials(bill: dict[str, Any], others: list[Part], binary: bytes, target: str) -> str:

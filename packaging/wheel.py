@@ -44,7 +44,7 @@ def complete(wheel: Path, target: str, epoch: int) -> None:
         raise parts.PackagingError(f"no line {before!r} in METADATA")
     added = {
         f"{information}/METADATA": metadata.replace(before, f"{before}License-File: {LICENCES}\n").encode(),
-        f"{information}/licenses/{LICENCES}": third_party_licences(parts.crates(bill) + others).encode(),
+        f"{information}/licenses/{LICENCES}": third_party_licences(parts.crates(bill, target) + others).encode(),
         f"{information}/sboms/{BILL}": bill_of_materials(bill, others, binary, target).encode(),
     }
     kept = [line for line in record.splitlines() if line.split(",")[0] not in added]
