@@ -123,3 +123,22 @@ fn analyse_names_every_range_of_speed_in_which_sliding_is_unstable() {
     let text = place.run("analyse --job job.toml").done().stdout;
     assert!(text.contains("critical speed     unstable from ") && text.matches(" to ").count() >= 2, "{text}");
 }
+
+#[test]
+fn analyse_takes_other_values_of_an_oscillator() {
+    let place = Place::new();
+    place.write("job.toml", &job(SLOW, STRIBECK, "", EIGENVALUE));
+    place.write("fast.toml", &job(SLOW, STRIBECK, "", EIGENVALUE).replace("belt_speed = 0.5", "belt_speed = 1.25"));
+    let fast = place.run("analyse fast.toml --json").done().stdout;
+    assert_eq!(place.run("analyse job.toml --set belt_speed=1.25 --json").done().stdout, fast);
+    assert_ne!(place.run("analyse job.toml --json").done().stdout, fast);
+    for (change, text) in [
+        ("belt_sped=1", "there is no parameter belt_sped; did you mean belt_speed?"),
+        ("belt_speed=-1", "-1 is out of range: it must be"),
+        ("belt_speed=2mm", "2mm has a unit"),
+        ("start.velocity=1", "there is no parameter start.velocity"),
+        ("belt_speed", "write NAME=VALUE"),
+    ] {
+        place.run(&format!("analyse job.toml --set {change}")).refused(64, &[text]);
+    }
+}

@@ -28,8 +28,8 @@ pub struct BrakeArguments {
     /// The cell of the job whose expected values are taken [default: the middle of its axes]
     #[arg(long, value_name = "I", value_parser = whole_number, requires = "of_a_job")]
     pub cell: Option<u64>,
-    /// Change a value, for example friction.static_coefficient=0.45, or a parameter of a model given by matrices; may be
-    /// repeated
+    /// Change a value, for example friction.static_coefficient=0.45, or one of the model of the job by its name, for example
+    /// belt_speed=1.2; may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub set: Vec<String>,
 }

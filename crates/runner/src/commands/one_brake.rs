@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use stickslip_core::friction::law::LawKind;
+use stickslip_core::model::quantity::{Quantity, Role};
 use stickslip_core::models::matrices::model::BAND;
 use stickslip_core::models::pad_on_disc::criterion::settings::TimeDomainSettings;
 use stickslip_core::models::pad_on_disc::criterion::time_domain::DiscModel;
@@ -16,6 +17,7 @@ use super::named_job::read_job;
 use crate::cli::BrakeArguments;
 use crate::failure::Failure;
 use crate::job::friction::{LawSpec, SmoothingSpec, check_band, read_curve};
+use crate::job::keys::nearest;
 use crate::job::models::pad_on_disc::keys::parameter_of_axis;
 use crate::job::models::pad_on_disc::preload_force::{self, PRELOAD};
 use crate::job::{Job, plausibility, unknown_parameter};
@@ -117,6 +119,43 @@ pub fn middle(job: &Job) -> u64 {
     let place = |(axis, length): (usize, &u64)| if Some(axis) == bands { 0 } else { (length - 1) / 2 };
     let lengths = job.grid.lengths();
     lengths.iter().enumerate().fold(0, |index, (axis, length)| index * length + place((axis, length)))
+}
+
+/// Values of all quantities of a job with `NAME=VALUE` changes, of a model whose quantities are its own.
+///
+/// # Errors
+/// A name that no quantity has, and a value that is no number or out of range.
+pub fn changed_values(job: &Job, values: &[f64], changes: &[String]) -> Result<Vec<f64>, Failure> {
+    let mut values = values.to_vec();
+    let mut changed: Vec<usize> = Vec::new();
+    // The start of a motion changes nothing at a point, nor does what the model has no value of, as of another friction law.
+    let is_taken = |place: &usize| job.quantity(*place).role != Role::Start && !values[*place].is_nan();
+    let taken: Vec<usize> = (0..values.len()).filter(is_taken).collect();
+    for change in changes {
+        let refused = |message: String| Failure::Usage(format!("--set {change}: {message}"));
+        let (name, value) =
+            change.split_once('=').ok_or_else(|| refused("write NAME=VALUE, for example friction=0.45".to_owned()))?;
+        let (name, value) = (name.trim(), value.trim());
+        let place = taken.iter().copied().find(|place| job.quantity(*place).name == name).ok_or_else(|| {
+            let names = taken.iter().map(|place| &*job.quantity(*place).name);
+            let near = nearest(name, names.clone()).map_or(String::new(), |near| format!("; did you mean {near}?"));
+            let names = names.collect::<Vec<_>>().join(", ");
+            refused(format!("there is no parameter {name}{near} (there are {names})"))
+        })?;
+        if changed.contains(&place) {
+            return Err(refused(format!("{name} is set a second time; leave one of the two out")));
+        }
+        changed.push(place);
+        let number: f64 = value.parse().map_err(|_| refused(not_a_number(value)))?;
+        let Quantity { name, limits, .. } = job.quantity(place);
+        let is_whole = *name != *BAND || number.fract() == 0.0;
+        if !(number.is_finite() && limits.contain(number) && is_whole) {
+            let whole = if is_whole { "" } else { "a whole number, " };
+            return Err(refused(format!("{number} is out of range: it must be {whole}{limits}")));
+        }
+        values[place] = number;
+    }
+    Ok(values)
 }
 
 /// The preset with `KEY=VALUE` changes; warns of values that are not plausible.

@@ -13,7 +13,7 @@ mod modes;
 use self::modes::ModesAtPoint;
 use self::oscillator::Oscillator;
 use self::point::Analysis;
-use super::one_brake::{OneBrake, cell_of, chosen_cell};
+use super::one_brake::{OneBrake, cell_of, changed_values, chosen_cell};
 use crate::cli::AnalyseArguments;
 use crate::failure::Failure;
 use crate::job::plausibility;
@@ -26,14 +26,14 @@ pub fn analyse(arguments: &AnalyseArguments) -> Result<(), Failure> {
         None => chosen_cell(&arguments.brake)?,
     };
     if let Some((job, cell)) = &chosen
-        && let Some(pad) = job.model.rigid_pad(&cell.expected)
+        && job.model.rigid_pad(&cell.expected).is_some()
     {
-        if let Some(change) = arguments.brake.set.first() {
-            let message = format!("--set {change}: it changes a pad on a disc; change the value in the job instead");
-            return Err(Failure::Usage(message));
-        }
+        let values = changed_values(job, &cell.expected, &arguments.brake.set)?;
+        let pad = job.model.rigid_pad(&values).transpose().map_err(|error| Failure::Job(error.to_string()))?;
         warn(job.warnings());
-        let oscillator = Oscillator::new(&pad.map_err(|error| Failure::Job(error.to_string()))?);
+        let Some(oscillator) = pad.as_ref().map(Oscillator::new) else {
+            return Err(Failure::Internal("an oscillator is none with other values".to_owned()));
+        };
         return result(&if arguments.json { format!("{:#}\n", oscillator.json()) } else { oscillator.text() });
     }
     if let Some((job, cell)) = &chosen

@@ -9,6 +9,7 @@ use stickslip_core::models::matrices::terms::Parameter;
 use stickslip_sampler::grid::Cell;
 
 use crate::commands::modes::{JobModes, failed};
+use crate::commands::one_brake::changed_values;
 use crate::failure::Failure;
 use crate::job::Job;
 use crate::output::{aligned, note};
@@ -69,7 +70,7 @@ impl ModesAtPoint {
     /// Of a cell of a job, with changes.
     pub fn new(job: &Job, cell: &Cell, changes: &[String]) -> Result<Self, Failure> {
         let problem = JobModes::new(job)?;
-        let values = problem.changed(job, &cell.expected, changes)?;
+        let values = changed_values(job, &cell.expected, changes)?;
         let regions = problem.regions(&values);
         let parameters = problem.own().to_vec();
         let modes = problem.model.modes(problem.parameters(&values), &regions);
