@@ -9,6 +9,7 @@ The package carries the program and calls it. A job is a dict with the keys of a
 
 from __future__ import annotations
 
+from ._bifurcation import bifurcation
 from ._errors import (
     AuditError,
     CannotCreateError,
@@ -51,6 +52,7 @@ __all__ = [
     "Run",
     "UsageError",
     "analyse",
+    "bifurcation",
     "check",
     "compare",
     "fit",

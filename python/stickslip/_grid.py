@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     import xarray
 
 #: The columns of axes whose name in a job is another.
-_COLUMNS = {"rotating_speed": "rotating_speed_rad_s"}
+COLUMNS = {"rotating_speed": "rotating_speed_rad_s"}
 
 
 def dataset(table: pyarrow.Table) -> xarray.Dataset:
@@ -35,18 +35,18 @@ def dataset(table: pyarrow.Table) -> xarray.Dataset:
     attributes = described(table)
     about = footer(table)
     deviations = [name for name in columns if name.startswith("std_")]
-    lengths = _lengths(tomllib.loads(about["job"]), columns, deviations)
-    dimensions = [name for name, length in lengths.items() if length > 1]
-    shape = [lengths[name] for name in dimensions]
+    axes = lengths(table)
+    dimensions = [name for name, length in axes.items() if length > 1]
+    shape = [axes[name] for name in dimensions]
     if table.num_rows != math.prod(shape):
-        raise ValueError(f"the surface has {table.num_rows} rows, but its axes {lengths} make {math.prod(shape)} cells")
+        raise ValueError(f"the surface has {table.num_rows} rows, but its axes {axes} make {math.prod(shape)} cells")
 
     coordinates: dict[str, Any] = {}
     variables: dict[str, Any] = {}
     for name, values in columns.items():
         grid = values.reshape(shape)
         # What does not vary along a dimension does without it.
-        if name in lengths or name in deviations:
+        if name in axes or name in deviations:
             own = [dimension for dimension in dimensions if _varies(grid, dimensions.index(dimension))]
             at = tuple(slice(None) if dimension in own else 0 for dimension in dimensions)
             coordinates[name] = (own, grid[at], attributes[name])
@@ -55,16 +55,19 @@ def dataset(table: pyarrow.Table) -> xarray.Dataset:
     return xarray.Dataset(variables, coords=coordinates, attrs=about)
 
 
-def _lengths(job: dict[str, Any], columns: dict[str, Any], deviations: list[str]) -> dict[str, int]:
-    """How many values each axis has, by its column, slowest first."""
-    lengths = {_COLUMNS.get(name, name): len(values) for name, values in job["axes"].items()}
-    strides = {name: _stride(columns[name]) for name in lengths}
+def lengths(table: pyarrow.Table) -> dict[str, int]:
+    """How many values each axis of a surface has, by its column, slowest first."""
+    job = tomllib.loads(footer(table)["job"])
+    found = {COLUMNS.get(name, name): len(values) for name, values in job["axes"].items()}
+    strides = {name: _stride(table[name].to_numpy()) for name in found}
     # The axis of standard deviations goes by the first input in which they vary, as in an export.
-    varied = [name for name in deviations if _stride(columns[name]) < len(columns[name])]
+    deviations = {name: _stride(table[name].to_numpy()) for name in table.column_names if name.startswith("std_")}
+    varied = {name: stride for name, stride in deviations.items() if stride < table.num_rows}
     if varied:
-        lengths[varied[0]] = len(job["random"]["relative_std"])
-        strides[varied[0]] = min(_stride(columns[name]) for name in varied)
-    return dict(sorted(lengths.items(), key=lambda axis: -strides[axis[0]]))
+        first = next(iter(varied))
+        found[first] = len(job["random"]["relative_std"])
+        strides[first] = min(varied.values())
+    return dict(sorted(found.items(), key=lambda axis: -strides[axis[0]]))
 
 
 def _stride(values: Any) -> int:

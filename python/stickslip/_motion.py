@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, overload
 
+from ._axes import draw_motion
 from ._job import PathLike, absolute
 from ._pictures import Plot, written
 from ._process import call
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     import pandas
     import polars
     import pyarrow
+    from matplotlib.axes import Axes
 
 
 class Motion:
@@ -73,6 +75,7 @@ class Motion:
         """
         return converted(read(self._file), kind)
 
+    @overload
     def plot(
         self,
         *,
@@ -81,7 +84,27 @@ class Motion:
         title: str | None = None,
         columns: Literal[1, 2] | None = None,
         out: PathLike | None = None,
-    ) -> Plot:
+        ax: None = None,
+    ) -> Plot: ...
+    @overload
+    def plot(
+        self,
+        *,
+        start: float | None = None,
+        end: float | None = None,
+        title: str | None = None,
+        ax: Axes,
+    ) -> Any: ...
+    def plot(
+        self,
+        *,
+        start: float | None = None,
+        end: float | None = None,
+        title: str | None = None,
+        columns: Literal[1, 2] | None = None,
+        out: PathLike | None = None,
+        ax: Axes | None = None,
+    ) -> Any:
         """Draw displacements, friction and contact force over time, the phase portrait, and the spectrum.
 
         Parameters
@@ -95,7 +118,14 @@ class Motion:
         out
             One file, SVG, PDF or PNG by its name. By default SVG and PNG are drawn into a temporary folder, which is deleted with
             this object.
+        ax
+            Axes of matplotlib, into which the tangential displacement is drawn over time, with it and not by the program. Takes
+            ``start``, ``end`` and ``title`` besides; what matplotlib drew is returned.
         """
+        if ax is not None:
+            if columns is not None or out is not None:
+                raise TypeError("with ax= only start, end and title are given")
+            return draw_motion(ax, self.table("arrow"), start, end, title)
         given = {"from": start, "to": end, "title": title, "columns": columns}
         options = [f"--{name}={value}" for name, value in given.items() if value is not None]
         if out is not None:

@@ -51,7 +51,7 @@ def check(job: Job, *, threads: int | None = None) -> dict[str, Any]:
 
 
 def analyse(
-    parameters: Mapping[str, Any] | None = None,
+    brake: Mapping[str, Any] | PathLike | None = None,
     /,
     *,
     job: Job | None = None,
@@ -60,13 +60,18 @@ def analyse(
 ) -> dict[str, Any]:
     """Analyse one brake at one operating point.
 
+    >>> stickslip.analyse("belt.toml", belt_speed=1.2)["stable"]
+
     Parameters
     ----------
-    parameters, sections
+    brake
+        A job or a run whose brake is taken in place of the preset, as ``job``; or values that differ, as ``sections``. A
+        dict is a job if it has a criterion.
+    sections
         Values that differ from those of the preset, or of the job: nested, ``friction={"static_coefficient": 0.45}``,
-        or by dotted names, ``{"friction.static_coefficient": 0.45}``.
+        or by dotted names, ``{"friction.static_coefficient": 0.45}``; of other models the names of their parameters.
     job
-        A job or a run whose brake is taken in place of the preset.
+        The job, where ``brake`` has values that differ.
     cell
         The cell of the job whose expected values are taken; by default the one in the middle.
 
@@ -77,13 +82,13 @@ def analyse(
         ``parameters`` and others. A name that ends in a unit is in that unit, all others are scaled. What does not
         exist for this brake is ``None``.
     """
-    options, stdin = _brake(job, cell, parameters, sections)
+    options, stdin = _brake(brake, job, cell, sections)
     answer: dict[str, Any] = call_json(["analyse", *options], stdin=stdin)
     return answer
 
 
 def trajectory(
-    parameters: Mapping[str, Any] | None = None,
+    brake: Mapping[str, Any] | PathLike | None = None,
     /,
     *,
     job: Job | None = None,
@@ -101,7 +106,7 @@ def trajectory(
 
     Parameters
     ----------
-    parameters, sections, job, cell
+    brake, sections, job, cell
         As for :func:`analyse`.
     disc
         ``"flexible"`` unless the job says otherwise.
@@ -116,7 +121,7 @@ def trajectory(
     horizon
         Scaled time to simulate, 500 by default.
     """
-    options, stdin = _brake(job, cell, parameters, sections)
+    options, stdin = _brake(brake, job, cell, sections)
     if isinstance(start, Mapping):
         start = ",".join(f"{key}={_start_value(value)}" for key, value in start.items())
     for name, value in (
@@ -311,10 +316,15 @@ def fit(
 
 
 def _brake(
-    job: Job | None, cell: int | None, parameters: Mapping[str, Any] | None, sections: Mapping[str, Any]
+    brake: Mapping[str, Any] | PathLike | None, job: Job | None, cell: int | None, sections: Mapping[str, Any]
 ) -> tuple[list[str], str | None]:
     """The options that say which brake."""
     options, stdin = [], None
+    parameters = brake if isinstance(brake, Mapping) and "criterion" not in brake else None
+    if brake is not None and parameters is None:
+        if job is not None:
+            raise TypeError("a job is given twice: as the first argument, and as job=")
+        job = brake
     if job is not None:
         argument, stdin = as_argument(job)
         options.append(f"--job={argument}")

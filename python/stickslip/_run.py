@@ -8,6 +8,7 @@ import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, overload
 
+from ._axes import draw_surface
 from ._errors import CannotCreateError, InputOutputError, Interrupted, JobError, JobWarning
 from ._grid import dataset
 from ._job import Job, PathLike, absolute, as_argument, expanded, threads_option, whole
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     import polars
     import pyarrow
     import xarray
+    from matplotlib.axes import Axes
 
 
 class Run:
@@ -221,6 +223,7 @@ class Run:
             arguments.append(f"--out={absolute(out)}")
         return written(call(arguments))[0]
 
+    @overload
     def plot(
         self,
         *,
@@ -249,7 +252,47 @@ class Run:
         columns: Literal[1, 2] | None = None,
         out: PathLike | None = None,
         threads: int | None = None,
-    ) -> Plot:
+        ax: None = None,
+    ) -> Plot: ...
+    @overload
+    def plot(
+        self,
+        *,
+        at: Mapping[str, float] | None = None,
+        target: float | None = None,
+        title: str | None = None,
+        ax: Axes,
+    ) -> Any: ...
+    def plot(
+        self,
+        *,
+        of: Literal[
+            "probability",
+            "sobol",
+            "verdicts",
+            "modes",
+            "squeal-frequencies",
+            "inputs",
+            "samples",
+            "convergence",
+            "distribution",
+            "friction",
+        ]
+        | None = None,
+        cell: int | None = None,
+        result: str | None = None,
+        x: str | None = None,
+        y: str | None = None,
+        samples: int | None = None,
+        at: Mapping[str, float] | None = None,
+        target: float | None = None,
+        title: str | None = None,
+        against: PathLike | None = None,
+        columns: Literal[1, 2] | None = None,
+        out: PathLike | None = None,
+        threads: int | None = None,
+        ax: Axes | None = None,
+    ) -> Any:
         """Draw the surface, or something else of the run.
 
         Parameters
@@ -276,12 +319,21 @@ class Run:
             Columns of a paper that the figure fills: 1 is 84 mm wide, 2 (the default) are 174 mm.
         out
             One file, SVG, PDF or PNG by its name; by default SVG and PNG in the run directory.
+        ax
+            Axes of matplotlib, into which the probability is drawn with it and not by the program: over one axis a line with
+            its interval, over two filled contours. Takes ``at``, ``target`` and ``title`` besides.
 
         Returns
         -------
         Plot
-            It shows itself in a notebook, and has the paths of the files.
+            It shows itself in a notebook, and has the paths of the files. With ``ax``, what matplotlib drew: the line, or the
+            contours, for a colour bar.
         """
+        if ax is not None:
+            others = (of, cell, result, x, y, samples, against, columns, out, threads)
+            if any(other is not None for other in others):
+                raise TypeError("with ax= the probability is drawn, and only at, target and title go with it")
+            return draw_surface(ax, self._table("surface.parquet"), at, target, title)
         arguments = ["plot", str(self.path), *threads_option(threads)]
         if against is not None:
             arguments.append(f"--against={expanded(against)}")

@@ -35,12 +35,66 @@ def test_analyse_is_the_programs(small: dict[str, Any], place: Path) -> None:
     run = stickslip.run(small, progress=False)
     for job in (small, "small.toml", Path("small.toml"), run):
         assert stickslip.analyse(job=job, cell=3) == wanted
+        assert stickslip.analyse(job, cell=3) == wanted
+    with pytest.raises(TypeError, match="a job is given twice"):
+        stickslip.analyse("small.toml", job=small)
     with pytest.raises(stickslip.UsageError, match="friction.statik"):
         stickslip.analyse(friction={"statik": 0.4})
     with pytest.raises(TypeError, match="pad.mass: .* is a list"):
         stickslip.analyse(pad={"mass": [0.1, 0.2]})
     with pytest.raises(TypeError, match="a job is a dict or the path of a TOML file, not int"):
         stickslip.analyse(job=3)  # type: ignore[arg-type]
+
+
+BELT: dict[str, Any] = {
+    "name": "belt",
+    "model": {
+        "kind": "belt-oscillator",
+        "mass": 1.0,
+        "stiffness": 1.0,
+        "damping": 0.1,
+        "normal_force": 1.0,
+        "belt_speed": 1.3,
+        "friction": {"static_coefficient": 0.6, "kinetic_coefficient": 0.3, "stribeck_velocity": 0.5},
+    },
+    "criterion": {"kind": "eigenvalue"},
+}
+
+
+def test_analyse_takes_values_of_the_model_of_a_job() -> None:
+    # The friction falls by more than the damping below v_s ln((f_s - f_c) N / (v_s c)).
+    critical = 0.5 * np.log(0.3 / 0.5 / 0.1)
+    for speed, stable in [(critical - 0.01, False), (critical + 0.01, True)]:
+        answer = stickslip.analyse(BELT, belt_speed=speed)
+        assert answer["belt_speed"] == speed and answer["stable"] is stable
+        assert answer["critical_speed"] == pytest.approx(critical, abs=1e-12)
+    with pytest.raises(stickslip.UsageError, match="did you mean belt_speed"):
+        stickslip.analyse(BELT, belt_sped=1.0)
+
+
+def test_a_bifurcation_has_a_row_for_each_value() -> None:
+    speeds = np.linspace(0.2, 1.6, 8)
+    sweep = stickslip.bifurcation("belt_speed", speeds, job=BELT)
+    assert sweep["belt_speed"].to_list() == list(speeds)
+    answers = [stickslip.analyse(BELT, belt_speed=speed) for speed in speeds]
+    assert sweep["stable"].to_list() == [answer["stable"] for answer in answers]
+    # There is a cycle below the end of stick-slip, above the critical speed as well.
+    end = answers[0]["end_of_cycles"]
+    assert sweep["x_max"].notna().to_list() == [bool(speed < end) for speed in speeds]
+    both = sweep[sweep["stable"] & sweep["x_max"].notna()]
+    assert len(both) == 2 and (both["x_min"] < both["x"]).all() and (both["x"] < both["x_max"]).all()
+    assert sweep.attrs["units"]["x_max"] == "m"
+    pad = stickslip.bifurcation("rotating_speed", [10, 35], {"pad.mass": 0.12}, kind="arrow")
+    assert pad.column_names == ["rotating_speed", "stable", "x", "x_min", "x_max", "period", "stick_fraction"]
+    assert pad["x_max"].null_count == 1 and pad["stable"].to_pylist() == [False, True]
+    assert stickslip.bifurcation("belt_speed", [], job=BELT, kind="polars").height == 0
+    linear = {
+        "name": "masses",
+        "model": {"kind": "matrices", "mass": np.eye(1), "stiffness": np.eye(1), "parameters": {"friction": 0.7}},
+        "criterion": {"kind": "complex-eigenvalue"},
+    }
+    with pytest.raises(TypeError, match="no limit cycle"):
+        stickslip.bifurcation("friction", [0.5], job=linear)
 
 
 def test_a_motion_has_a_summary_a_table_and_a_plot(place: Path) -> None:
