@@ -44,6 +44,20 @@ fn the_samples_of_a_cell_have_the_counts_of_its_row() {
         let verdicts = assert_counts(&place, &surface, name, 17);
         assert!(verdicts.iter().any(|verdict| verdict != &verdicts[0]), "{name}: all are alike");
     }
+    // As CSV the same values in the same order, and no file.
+    let table = Table::read(&place.path("long/samples-17.parquet"));
+    fs::remove_file(place.path("long/samples-17.parquet")).unwrap();
+    let printed = place.run("samples long --cell 17 --csv").done().stdout;
+    let mut lines = printed.lines();
+    assert_eq!(lines.next(), Some("sample,preload,static_friction,verdict,outside_physics"));
+    let rows: Vec<Vec<&str>> = lines.map(|line| line.split(',').collect()).collect();
+    for (place_in_row, name) in ["sample", "preload", "static_friction"].into_iter().enumerate() {
+        let column: Vec<f64> = rows.iter().map(|row| row[place_in_row].parse().unwrap()).collect();
+        assert_eq!(column, table.column(name), "{name}");
+    }
+    assert!(!place.path("long/samples-17.parquet").exists());
+    place.run("samples long --cell 17 --csv --out a.parquet").refused(64, &["cannot be used with"]);
+    place.run("samples long --cell 17").done();
     // The same bytes from any number of threads.
     place.run("samples long --cell 17 --out again.parquet --threads 1").done();
     assert_eq!(

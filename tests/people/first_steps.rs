@@ -131,6 +131,26 @@ fn a_folder_of_runs_is_one_line_a_run() {
 }
 
 #[test]
+fn the_summary_of_a_run_is_there_for_programs() {
+    let place = Place::new();
+    place.write("job.toml", &surface_job("counted", 3, 100, 7));
+    let said = json(&place.run("submit job.toml --json").done().stdout);
+    let status = json(&place.run("status runs/counted --json").done().stdout);
+    for key in ["run", "name", "job_hash", "surface", "cells", "samples_done", "samples_audited"] {
+        assert!(!said[key].is_null() && said[key] == status[key], "{key}: {said} {status}");
+    }
+    let p = crate::common::Table::read(&place.path(said["surface"].as_str().unwrap())).column("p_unstable").to_vec();
+    let ends = [p.iter().copied().fold(1.0, f64::min), p.iter().copied().fold(0.0, f64::max)];
+    assert_eq!([&said["p_unstable_min"], &said["p_unstable_max"]].map(|end| end.as_f64().unwrap()), ends);
+    // The same sentence as in words, and of a finished run again.
+    let words = place.run("submit job.toml").done().stdout.split_whitespace().collect::<Vec<_>>().join(" ");
+    let answer = said["answer"].as_str().unwrap().split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(answer.contains("P is below") && words.contains(&answer), "{answer}\n{words}");
+    assert_eq!(json(&place.run("submit job.toml --json").done().stdout), said);
+    place.run("submit job.toml --json --shard 1/2").refused(64, &["cannot be used with"]);
+}
+
+#[test]
 fn small_probabilities_and_hidden_slices_are_printed() {
     let place = Place::new();
     let tail = "name = \"tail\"\n[axes]\nrotating_speed = 20.0\npreload = { from = 0.09, to = 0.18, points = 4 }\n\

@@ -21,7 +21,7 @@ def test_usage(small: dict[str, Any]) -> None:
     with pytest.raises(stickslip.UsageError) as caught:
         stickslip.run(small, threads=0)
     assert caught.value.exit_code == 64
-    assert str(caught.value) == "invalid value '0' for 'threads': 0 is not in 1..=1024"
+    assert str(caught.value) == "invalid value '0' for 'threads': a number of threads is a whole number from 1 to 1024, for example 4"
     assert caught.value.code == "usage"
     with pytest.raises(ValueError, match="samples = 1.5 is not a whole number"):
         stickslip.run(small, samples=1.5)  # type: ignore[arg-type]

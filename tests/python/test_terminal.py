@@ -89,7 +89,7 @@ except stickslip.UsageError as error:
     assert "CAUGHT 'job:4:11: axes.preload: 7 is out of range" in seen
     assert seen.count("JobWarning: axes.rotating_speed = 2000 rad/s is not plausible") == 1
     assert "stickslip: warning" not in seen
-    assert "CAUGHT \"invalid value '0' for 'threads': 0 is not in 1..=1024\"" in seen
+    assert "CAUGHT \"invalid value '0' for 'threads': a number of threads is a whole number from 1 to 1024, for example 4\"" in seen
     assert "10,000 samples in" in seen
 
 

@@ -158,6 +158,9 @@ pub struct SubmitArguments {
     pub map_only: bool,
     #[command(flatten)]
     pub maps: MapsArgument,
+    /// Print the summary as JSON
+    #[arg(long, conflicts_with_all = ["shard", "map_only", "engine"])]
+    pub json: bool,
     #[command(flatten)]
     pub engine: EngineArguments,
 }
@@ -237,6 +240,9 @@ pub struct SamplesArguments {
     /// The file to write [default: samples-I.parquet in the run directory]
     #[arg(long, value_name = "FILE.parquet", value_parser = parquet_file)]
     pub out: Option<PathBuf>,
+    /// Print the samples to standard output as CSV, and write no file
+    #[arg(long, conflicts_with = "out")]
+    pub csv: bool,
     #[command(flatten)]
     pub threads: ThreadsArgument,
 }

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use indicatif::HumanCount;
+use serde_json::json;
 use stickslip_sampler::estimate::audit::PlainSamples;
 use stickslip_sampler::estimate::interval::Estimate;
 
@@ -15,6 +16,7 @@ use crate::picture::asked_cell::KnownCell;
 use crate::picture::exceptions::Exceptions;
 use crate::picture::picture;
 use crate::store::directory::RunDirectory;
+use crate::store::layout::LIMITS;
 use crate::store::outdated;
 use crate::tables::limits::RunLimits;
 use crate::tables::row::SurfaceRow;
@@ -45,6 +47,43 @@ pub fn report(
     ]
     .concat();
     result(&format!("{}{}{line}{notes}", picture(surface), wrapped(&answer(job, &summary.estimates, asked.as_ref()))))?;
+    judged(directory, job, &summary, limits)
+}
+
+/// Prints the same as JSON, for programs.
+///
+/// # Errors
+/// As [`report`].
+pub fn report_as_json(
+    directory: &RunDirectory,
+    job: &Job,
+    surface: &Surface<'_>,
+    limits: Option<&RunLimits>,
+) -> Result<(), Failure> {
+    let summary = Summary::new(surface);
+    let asked = job.asked_cell().map(|cell| KnownCell::from(&surface.row(cell)));
+    let known = || summary.estimates.iter().filter_map(|estimate| estimate.probability);
+    let said = json!({
+        "run": directory.path().display().to_string(),
+        "name": job.name,
+        "job_hash": job.hash(),
+        "surface": directory.surface().display().to_string(),
+        "limits": limits.map(|_| directory.path().join(LIMITS).display().to_string()),
+        "cells": job.cells(),
+        "samples_done": u64::try_from(summary.computed.samples).unwrap_or(u64::MAX),
+        "samples_audited": summary.lookups.audited,
+        "samples_audit_differed": summary.lookups.differed,
+        "p_unstable_min": known().reduce(f64::min),
+        "p_unstable_max": known().reduce(f64::max),
+        "answer": answer(job, &summary.estimates, asked.as_ref()).trim_end(),
+        "notes": summary.exceptions.sentences(job),
+    });
+    result(&format!("{said:#}\n"))?;
+    judged(directory, job, &summary, limits)
+}
+
+/// Refuses a result that its audit contradicts. It is written all the same.
+fn judged(directory: &RunDirectory, job: &Job, summary: &Summary, limits: Option<&RunLimits>) -> Result<(), Failure> {
     if let Some(why) = limits.and_then(|limits| limits.contradiction.clone()) {
         return Err(Failure::Audit(why));
     }

@@ -16,7 +16,7 @@ use super::motion_report::name;
 use crate::cli::SamplesArguments;
 use crate::evaluate::evaluator::Evaluator;
 use crate::failure::Failure;
-use crate::files::table::{TableColumn, TableValues, write_table};
+use crate::files::table::{TableColumn, TableValues, csv_names, csv_row, write_table};
 use crate::interrupt::Interrupt;
 use crate::job::Job;
 use crate::messages::Code;
@@ -28,6 +28,9 @@ use stickslip_core::model::IsStopped;
 
 /// Largest number of samples, which are held in memory.
 const MOST_SAMPLES: u64 = 10_000_000;
+
+/// Rows of CSV that are printed at a time.
+const ROWS_AT_ONCE: usize = 10_000;
 
 /// Largest number of samples of a unit of work.
 const MOST_UNIT_SAMPLES: u64 = 20 * BLOCK_SAMPLES;
@@ -42,7 +45,7 @@ pub fn samples(arguments: &SamplesArguments, interrupt: &Interrupt) -> Result<()
     let counts = finished_counts(&evaluator, &tally, arguments)?;
     let file =
         arguments.out.clone().unwrap_or_else(|| arguments.run.join(format!("samples-{}.parquet", arguments.cell)));
-    let (out, file_name) = output_file(&file)?;
+    let place = (!arguments.csv).then(|| output_file(&file)).transpose()?;
     let units = units_of(&evaluator, &tally, arguments.cell);
     let of_unit = |(part, samples): &(u64, Range<u64>), is_stopped: IsStopped<'_>, add: Add<'_>| {
         evaluator.each_decided(*part, samples.clone(), is_stopped, add);
@@ -56,11 +59,24 @@ pub fn samples(arguments: &SamplesArguments, interrupt: &Interrupt) -> Result<()
             arguments.cell
         )));
     }
+    let columns = columns(drawn, &job);
+    let Some((out, file_name)) = place else {
+        return print_csv(&columns, counts.total() as usize);
+    };
     let mut pairs = footer(&job);
     pairs.push(("stickslip:cell", arguments.cell.to_string()));
-    write_table(&out, &file_name, &columns(drawn, &job), &pairs)?;
+    write_table(&out, &file_name, &columns, &pairs)?;
     let total = counted(counts.total().into(), "sample", "samples");
     result(&format!("{}: {total} of cell {}, {}\n", shown(&file), arguments.cell, in_words(&counts)))
+}
+
+/// Prints a table as CSV, a part after the other: it may have millions of rows.
+fn print_csv(columns: &[TableColumn], rows: usize) -> Result<(), Failure> {
+    result(&csv_names(columns))?;
+    (0..rows).step_by(ROWS_AT_ONCE).try_for_each(|first| {
+        let lines = (first..rows.min(first + ROWS_AT_ONCE)).map(|row| csv_row(columns, row));
+        result(&lines.collect::<String>())
+    })
 }
 
 fn in_words(counts: &VerdictCounts) -> String {

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use super::adoption::{RunState, adopt, adopt_as_shard, apart};
-use super::closing::report;
+use super::closing::{report, report_as_json};
 use super::completion::{Work, complete_audits, compute, kept_and_continued, lost_tiles, map_only};
 use super::limit::{publish_limits, with_limits_of};
 use super::named_job::read_job;
@@ -62,6 +62,7 @@ pub fn submit(arguments: &SubmitArguments, interrupt: &Interrupt) -> Result<(), 
     let out = directory.path().to_owned();
     let is_map_only = arguments.map_only;
     let work = Work { threads, shard, maps, is_map_only, command: "submit" };
+    let report = if arguments.json { report_as_json } else { report };
     if is_map_only {
         return map_only(&directory, &job, &work, interrupt);
     }

@@ -143,6 +143,16 @@ impl TableColumn {
         }
     }
 
+    /// A value as text; nothing where there is none.
+    fn text(&self, row: usize) -> Cow<'_, str> {
+        match &self.values {
+            TableValues::Integer(values) => values[row].to_string().into(),
+            TableValues::Real(values) => values[row].map_or_else(String::new, |value| value.to_string()).into(),
+            TableValues::Text(values) => (&*values[row]).into(),
+            TableValues::Word(values) => values[row].unwrap_or_default().into(),
+        }
+    }
+
     /// The column and its values as they are stored. Words are optional only where one is missing.
     fn stored(&self) -> (Field, ArrayRef) {
         let (values, is_optional): (ArrayRef, bool) = match &self.values {
@@ -153,6 +163,27 @@ impl TableColumn {
         };
         (column(&self.name, &self.unit, &self.long_name, values.data_type().clone(), is_optional), values)
     }
+}
+
+/// The names of columns as a line of CSV.
+pub fn csv_names(columns: &[TableColumn]) -> String {
+    csv_line(columns.iter().map(|column| &*column.name))
+}
+
+/// A row of columns as a line of CSV. A missing value is an empty field.
+///
+/// # Panics
+/// If there is no such row.
+pub fn csv_row(columns: &[TableColumn], row: usize) -> String {
+    csv_line(columns.iter().map(|column| column.text(row)))
+}
+
+fn csv_line(fields: impl Iterator<Item = impl AsRef<str>>) -> String {
+    let field = |field: &str| match field.contains([',', '"', '\n', '\r']) {
+        true => format!("\"{}\"", field.replace('"', "\"\"")),
+        false => field.to_owned(),
+    };
+    fields.map(|text| field(text.as_ref())).collect::<Vec<_>>().join(",") + "\n"
 }
 
 /// Counts as they are stored. They stay far below 2^63, see the limit on samples.
@@ -199,6 +230,9 @@ mod tests {
             column("word", TableValues::Word(vec![Some("a"), Some("b")])),
             column("optional_word", TableValues::Word(vec![Some(""), None])),
         ];
+        assert_eq!(csv_names(&columns), "integer,real,text,word,optional_word\n");
+        assert_eq!([0, 1].map(|row| csv_row(&columns, row)), ["0,-0,Größe,a,\n", "7,,,b,\n"]);
+        assert_eq!(csv_line(["a,b", "c\"d", "e"].into_iter()), "\"a,b\",\"c\"\"d\",e\n");
         let bytes = encoded_table(&columns, &[("stickslip:key", "value".to_owned())]).unwrap();
         let reader = ParquetRecordBatchReaderBuilder::try_new(file_of(&bytes)).unwrap();
         let types = [DataType::Int64, DataType::Float64, DataType::Utf8, DataType::Utf8, DataType::Utf8];

@@ -178,13 +178,14 @@ impl Basis {
                 continue;
             }
             let vectors = Some(&group).filter(|group| group.len() <= MOST).and_then(|group| separated(mass, group));
-            let Some((with, none)) = vectors else {
+            let Some((vectors, masses)) = vectors else {
                 columns.extend(group.iter().map(|place| vec![(*place, 1.0)]));
                 continue;
             };
-            let named = |vector: DVector<f64>| group.iter().copied().zip(vector.iter().copied()).collect();
-            columns.extend(with.into_iter().map(named));
-            without.extend(none.into_iter().map(named));
+            for (vector, mass) in vectors.column_iter().zip(&masses) {
+                let column = group.iter().copied().zip(vector.iter().copied()).collect();
+                if *mass > NO_MASS { columns.push(column) } else { without.push(column) }
+            }
         }
         let kept = columns.len();
         columns.append(&mut without);
@@ -225,8 +226,8 @@ impl Basis {
     }
 }
 
-/// The motions of a group of degrees of freedom that have mass and those that have none, if there are such.
-fn separated(mass: &Matrix, group: &[usize]) -> Option<(Vec<DVector<f64>>, Vec<DVector<f64>>)> {
+/// The motions of a group of degrees of freedom, as columns with their masses, if some have none and the others do.
+fn separated(mass: &Matrix, group: &[usize]) -> Option<(DMatrix<f64>, Vec<f64>)> {
     let own = DMatrix::from_fn(group.len(), group.len(), |i, j| mass.get(group[i], group[j]).copied().unwrap_or(0.0));
     let (scaled, scales) = by_its_diagonal(&own)?;
     if is_definite(&scaled, NO_MASS) {
@@ -237,9 +238,7 @@ fn separated(mass: &Matrix, group: &[usize]) -> Option<(Vec<DVector<f64>>, Vec<D
     if values.iter().any(|value| *value < -NO_MASS || (NO_MASS..MASS).contains(value)) {
         return None;
     }
-    let vector = |index: usize| decomposed.eigenvectors.column(index).component_mul(&scales);
-    let (with, without) = (0..group.len()).partition::<Vec<usize>, _>(|index| values[*index] > NO_MASS);
-    Some((with.into_iter().map(vector).collect(), without.into_iter().map(vector).collect()))
+    Some((DMatrix::from_diagonal(&scales) * &decomposed.eigenvectors, values.iter().copied().collect()))
 }
 
 /// A symmetric matrix scaled to ones on the diagonal, with the scales of its rows; none where the diagonal is not positive.

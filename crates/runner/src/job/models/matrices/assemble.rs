@@ -68,7 +68,7 @@ pub fn read<'a>(
         return None;
     }
     let terms = complaints.take(aligned(terms))?;
-    checks::refuse(&terms, stiffness_from, complaints)?;
+    checks::refuse(&terms, complaints)?;
     let mut warnings = folder.map_or_else(Vec::new, |_| checks::doubts(&terms, stiffness_from));
     let mut notes = checks::grouped(&terms, |read| &read.notes);
     let places = terms[0].read.degrees_of_freedom.clone();

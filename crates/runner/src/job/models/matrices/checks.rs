@@ -20,8 +20,8 @@ const SHOWN_FREQUENCIES: usize = 10;
 /// A stiffness at which programs hold degrees of freedom that are constrained.
 const CONSTRAINED: f64 = 1e30;
 
-/// Refuses what no model has: terms are the mass, those of damping, and from `stiffness_from` on those of stiffness.
-pub fn refuse(terms: &[Term], stiffness_from: usize, complaints: &mut Complaints) -> Option<()> {
+/// Refuses what no model has. The terms are the mass, those of damping and those of stiffness.
+pub fn refuse(terms: &[Term], complaints: &mut Complaints) -> Option<()> {
     let before = complaints.len();
     let mass = terms.first()?;
     let size = mass.read.matrix.nrows();

@@ -10,7 +10,7 @@ use faer::sparse::{SparseColMat, Triplet};
 use schemars::JsonSchema;
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{Error as _, MapAccess, SeqAccess, Visitor};
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use stickslip_core::models::matrices::factor::Factor;
 use stickslip_core::models::matrices::terms::Parameter;
 use toml::Spanned;
