@@ -1,8 +1,7 @@
 //! The documents as a reader uses them: README.md and everything in docs/.
 //!
-//! Each page gets an empty directory of its own with `stickslip` on the path, as a reader who installed the program has it;
-//! those that say that they need the sources, [`OF_SOURCES`], have a copy of `jobs/` there. Its blocks run there from
-//! top to bottom. The first word of a fence is its language, further words say how it runs:
+//! Each page gets an empty directory of its own with `stickslip` on the path, as a reader who installed the program has it.
+//! Its blocks run there from top to bottom. The first word of a fence is its language, further words say how it runs:
 //!
 //! | fence | what happens |
 //! |---|---|
@@ -35,9 +34,6 @@ const LEAST_COMMANDS: usize = 70;
 const LEAST_JOBS: usize = 25;
 const LEAST_PYTHON: usize = 17;
 const LEAST_AGAIN: usize = 14;
-
-/// Pages whose commands need the folder `jobs/` of the sources.
-const OF_SOURCES: [&str; 2] = ["README.md", "docs/how-to/matrices.md"];
 
 /// What fragments are merged into.
 const BASE_JOB: &str = r#"
@@ -335,27 +331,8 @@ impl Drop for Python {
 fn everything_that_the_documents_show_runs() {
     let (mut ran, mut jobs, mut scripts, mut again) = (0, 0, 0, 0);
     let mut python = Python::start();
-    let pages: Vec<(bool, Vec<Block>)> =
-        pages().iter().map(|page| (OF_SOURCES.contains(&&**page), blocks(page))).collect();
-    assert_eq!(pages.iter().filter(|(is_of_sources, _)| *is_of_sources).count(), OF_SOURCES.len());
-    for (is_of_sources, blocks) in &pages {
+    for blocks in pages().iter().map(|page| blocks(page)) {
         let place = Place::new();
-        if *is_of_sources {
-            fs::create_dir(place.path("jobs")).unwrap();
-        }
-        for entry in fs::read_dir(repository().join("jobs")).unwrap().filter(|_| *is_of_sources) {
-            let path = entry.unwrap().path();
-            let copy = place.path("jobs").join(path.file_name().unwrap());
-            if path.is_dir() {
-                fs::create_dir(&copy).unwrap();
-                for file in fs::read_dir(&path).unwrap() {
-                    let file = file.unwrap();
-                    fs::copy(file.path(), copy.join(file.file_name())).unwrap();
-                }
-            } else {
-                fs::copy(&path, copy).unwrap();
-            }
-        }
         for (number, block) in blocks.iter().enumerate() {
             let reason = block.words.iter().any(|word| word.starts_with('('));
             assert!(!block.is_ignored() || reason, "{}: say in brackets why the block does not run", block.place);
