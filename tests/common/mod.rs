@@ -315,6 +315,17 @@ impl Place {
     }
 }
 
+/// The commands of the program, as its page of help lists them.
+#[track_caller]
+pub fn commands_of_the_program(place: &Place) -> Vec<String> {
+    let help = place.run("help").done().stdout;
+    let listed = help.lines().take_while(|line| *line != "Options:");
+    let names = listed.filter_map(|line| line.strip_prefix("  ")?.split(' ').next().map(str::to_owned));
+    let names: Vec<String> = names.collect();
+    assert!(names.len() > 20, "{help}");
+    names
+}
+
 /// The program that a variable of the environment names, as `make test` sets it. Without it, as on a machine without that
 /// program, a test is left out; in continuous integration it fails then.
 #[track_caller]

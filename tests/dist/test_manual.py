@@ -13,8 +13,8 @@ from conftest import REPOSITORY, output, tool
 
 def commands(folder: Path) -> list[str]:
     """The commands of the program."""
-    listed = output(folder / "bin" / "stickslip", "--help").split("Commands:\n")[1].split("\n\n")[0]
-    return [name for name in re.findall(r"^  (\S+)", listed, re.MULTILINE) if name != "help"]
+    listed = output(folder / "bin" / "stickslip", "--help").split("Options:\n")[0]
+    return re.findall(r"^  (\S+)", listed, re.MULTILINE)
 
 
 def test_every_command_has_a_page(folder: Path) -> None:

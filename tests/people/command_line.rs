@@ -6,7 +6,7 @@ use std::fs;
 use std::fs::OpenOptions;
 use std::process::Stdio;
 
-use crate::common::{Place, Table, repository, send, surface_job, wait_for};
+use crate::common::{Place, Table, commands_of_the_program, repository, send, surface_job, wait_for};
 
 #[test]
 fn a_job_becomes_a_surface() {
@@ -263,6 +263,7 @@ fn usage_errors_exit_with_64() {
     }
     place.run("analyse --set friction.static_coeficient=0.4").refused(64, &["did you mean `static_coefficient`?"]);
     place.run("analyse --set static_coefficient=0.4").refused(64, &["did you mean `friction.static_coefficient`?"]);
+    place.run("").refused(64, &["there is no command", "stickslip init --from fig14a", "stickslip help"]);
     place.run("--version").done();
     assert!(place.run("submit --help").done().stdout.contains("--shard"));
 }
@@ -479,14 +480,12 @@ fn every_command_has_a_manual_page_of_its_own() {
     let read = |name: &str| fs::read_to_string(place.path("share/man/man1").join(name)).unwrap();
     let main = read("stickslip.1");
     assert!(main.contains(".TH stickslip 1"), "{main}");
-    let help = place.run("--help").done().stdout;
-    let commands = help.split("Commands:").nth(1).unwrap().split("Options:").next().unwrap();
-    let commands: Vec<&str> = commands.lines().filter_map(|line| line.strip_prefix("  ")?.split(' ').next()).collect();
-    let commands: Vec<&str> = commands.into_iter().filter(|name| !name.is_empty() && *name != "help").collect();
-    assert!(commands.len() > 20, "{help}");
+    assert!(main.contains(".SH \"EXIT STATUS\"\nExit codes: 0 done"), "{main}");
+    let commands = commands_of_the_program(&place);
     for command in &commands {
         let page = read(&format!("stickslip-{command}.1"));
         assert!(page.contains(&format!(".TH stickslip-{command} 1")), "{page}");
+        assert!(page.contains(&format!(".SH EXAMPLES\n  stickslip {command}")), "{page}");
         // The main page names all others.
         assert!(main.contains(&format!("stickslip\\-{command}(1)")), "{command}: {main}");
     }

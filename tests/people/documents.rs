@@ -27,7 +27,7 @@ use std::io::{BufRead as _, BufReader, Write as _};
 use std::path::{Component, Path, PathBuf};
 use std::process::{Child, ChildStdout, Command, Stdio};
 
-use crate::common::{Place, TARGETS, named_by, repository};
+use crate::common::{Place, TARGETS, commands_of_the_program, named_by, repository};
 
 /// How many commands, jobs and Python blocks there are at the least, so that the test cannot pass by finding none.
 const LEAST_COMMANDS: usize = 70;
@@ -503,11 +503,7 @@ fn the_reference_names_every_key_option_and_target() {
     assert!(count > 60, "the schema has only {count} keys");
 
     let page = read("docs/reference/command-line.md");
-    let help = place.run("help").done().stdout;
-    let names = help.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| !line.is_empty());
-    let names: Vec<&str> = names.filter_map(|line| line.split_whitespace().next()).collect();
-    assert!(names.len() > 12, "{names:?}");
-    for name in names.into_iter().filter(|name| *name != "help") {
+    for name in commands_of_the_program(&place) {
         assert!(page.contains(&format!("## {name}\n")), "docs/reference/command-line.md has no section on {name}");
         let help = place.run(&format!("{name} --help")).done().stdout;
         for option in help.split_whitespace().filter(|word| word.starts_with("--") && word.len() > 2) {

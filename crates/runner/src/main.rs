@@ -51,6 +51,8 @@ mod target;
 
 mod cli;
 
+mod help;
+
 mod commands;
 
 mod reproduce;
@@ -59,10 +61,9 @@ use std::env;
 use std::panic;
 use std::process::ExitCode;
 
-use clap::Parser as _;
 use clap::error::ErrorKind;
 
-use crate::cli::{Cli, Command};
+use crate::cli::Command;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 
@@ -72,7 +73,7 @@ fn main() -> ExitCode {
 }
 
 fn run() -> ExitCode {
-    let cli = match Cli::try_parse() {
+    let cli = match help::typed() {
         Ok(cli) => cli,
         Err(error) => return no_command(&error),
     };
@@ -93,13 +94,8 @@ fn no_command(error: &clap::Error) -> ExitCode {
         return error.print().map_or_else(|error| fail(&Failure::output(&error)), |()| ExitCode::SUCCESS);
     }
     let said = error.to_string();
-    let (text, advice) = match said.trim_end().rsplit_once("\n\n") {
-        Some((text, advice)) if error.kind() != ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
-            (text.trim_start_matches("error: "), advice)
-        }
-        _ => (said.as_str(), "stickslip --help"),
-    };
-    let failure = Failure::Usage(text.to_owned()).remedied(advice);
+    let (text, advice) = said.trim_end().rsplit_once("\n\n").unwrap_or((&said, "stickslip --help"));
+    let failure = Failure::Usage(text.trim_start_matches("error: ").to_owned()).remedied(advice);
     if messages::are_json() {
         return fail(&failure);
     }

@@ -49,7 +49,7 @@ use crate::version;
     a signal, such as 130 by Ctrl-C (finished work is kept).")]
 pub struct Cli {
     /// How messages on standard error are written: lines for people, or one JSON object a line for programs
-    #[arg(long, global = true, value_enum, value_name = "FORM", default_value = "text")]
+    #[arg(long, global = true, value_enum, value_name = "FORM", default_value = "text", display_order = 900)]
     pub messages: Form,
     /// What to do.
     #[command(subcommand)]
@@ -59,7 +59,7 @@ pub struct Cli {
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Write an example job with comments, to start from
+    /// Write an example job, or one of those that come with the program
     Init(InitArguments),
     /// Run a job and write its probability surface
     Submit(SubmitArguments),
@@ -67,37 +67,37 @@ pub enum Command {
     Resume(ResumeArguments),
     /// Show the progress of a run, or of every run in a folder
     Status(StatusArguments),
-    /// Validate a job, and show its cells, samples and expected cost; with --all also every key and its value
+    /// Validate a job, and say its cells, samples and expected cost
     Check(CheckArguments),
     /// List the parameters of the brake: symbols, units, ranges, values
     Parameters(ParametersArguments),
-    /// Analyse one operating point: equilibrium, eigenvalues, critical speed
+    /// Analyse one brake: equilibrium, eigenvalues, critical values
     Analyse(AnalyseArguments),
     /// Simulate one motion: time series and summary
     Trajectory(TrajectoryArguments),
-    /// Reproduce one sample of a run bit for bit: inputs, verdict, trajectory
+    /// Compute one sample of a run again: inputs, verdict, trajectory
     Replay(ReplayArguments),
-    /// Write every sample of one cell of a run: its random inputs and its verdict
+    /// Write every sample of a cell: its random inputs and its verdict
     Samples(SamplesArguments),
-    /// Compare finished runs cell by cell, and sample by sample if they share their samples
+    /// Compare finished runs, cell by cell and sample by sample
     Compare(CompareArguments),
-    /// Estimate the scatter of preload and static friction from tests of brakes
+    /// Estimate the scatter of friction and preload from brake tests
     Fit(FitArguments),
-    /// Find where along an axis the probability of instability passes a target
+    /// Find where along an axis the probability passes a target
     Limit(LimitArguments),
-    /// Reduce the matrices of a job to few coordinates, and say what that costs
+    /// Reduce the matrices of a job, and say what that costs
     Reduce(ReduceArguments),
-    /// Draw the result of a finished run, or a simulated motion, as SVG, PDF and PNG
+    /// Draw a result, the inputs of a job or a motion, as SVG, PDF, PNG
     Plot(PlotArguments),
-    /// Write a report of a finished run: one HTML file with interactive pictures
+    /// Write a report of finished runs, one interactive HTML file
     Report(ReportArguments),
-    /// Write the surface of a finished run as CSV, JSON, MAT or NPZ, for other programs
+    /// Write the surface of a finished run as CSV, JSON, MAT or NPZ
     Export(ExportArguments),
     /// Reproduce tables and figures of Sui & Ding (2018)
     Reproduce(ReproduceArguments),
     /// Write the surface from the pieces of finished shards
     Merge(MergeArguments),
-    /// Check the files of a run, from its pieces to its surface, and write again what can be
+    /// Check the files of a run, and write again what can be
     Verify(VerifyArguments),
     /// Print the JSON schema of job specs
     Schema,

@@ -2,15 +2,15 @@
 
 use std::fs;
 
-use clap::CommandFactory as _;
 use clap::builder::PossibleValuesParser;
 use clap_complete::Shell;
 
 use super::parameters;
 use super::shipped_jobs::SHIPPED;
-use crate::cli::{Cli, CompletionsArguments, ManArguments};
+use crate::cli::{CompletionsArguments, ManArguments};
 use crate::failure::Failure;
 use crate::files::publish::publish;
+use crate::help;
 use crate::job;
 use crate::output::{quoted, result, shown};
 
@@ -21,7 +21,7 @@ pub fn schema() -> Result<(), Failure> {
 
 /// `stickslip completions`.
 pub fn completions(arguments: &CompletionsArguments) -> Result<(), Failure> {
-    let mut command = Cli::command();
+    let mut command = help::command();
     // Any text is taken, such as the parameters of a model given by matrices; these keys are offered.
     let keys: Vec<&'static str> = parameters::keys().map(|key| &*format!("{key}=").leak()).collect();
     for name in ["analyse", "trajectory", "parameters"] {
@@ -52,13 +52,17 @@ fn without_space(line: &str) -> String {
 /// `stickslip man`: the main page, then one for each command, in one text or in files of their own.
 pub fn man(arguments: &ManArguments) -> Result<(), Failure> {
     // The pages are the same whichever machine makes them.
-    let mut command = Cli::command().long_version(None).disable_help_subcommand(true);
+    let mut command = help::command().long_version(None).disable_help_subcommand(true);
     command.build();
     let source = format!("stickslip {}", command.get_version().unwrap_or_default());
+    let examples = format!(".SH EXTRA\n{}", help::EXAMPLES);
     let page = |command: &clap::Command| {
         let man = clap_mangen::Man::new(command.clone()).source(source.clone()).manual("stickslip");
-        let mut text = Vec::new();
+        let mut text: Vec<u8> = Vec::new();
         man.render(&mut text).map_err(|error| Failure::output(&error))?;
+        // What follows the options has one name for whatever it is.
+        let text = String::from_utf8_lossy(&text).replace(&examples, ".SH EXAMPLES\n");
+        let text = text.replace(".SH EXTRA\n", ".SH \"EXIT STATUS\"\n");
         Ok((man.get_filename(), text))
     };
     let mut pages = vec![page(&command)?];
@@ -66,12 +70,12 @@ pub fn man(arguments: &ManArguments) -> Result<(), Failure> {
         pages.push(page(subcommand)?);
     }
     let Some(folder) = &arguments.out else {
-        let text: Vec<u8> = pages.into_iter().flat_map(|(_, text)| text).collect();
-        return result(&String::from_utf8_lossy(&text));
+        let text: String = pages.into_iter().map(|(_, text)| text).collect();
+        return result(&text);
     };
     fs::create_dir_all(folder).map_err(|error| Failure::creating(folder, error))?;
     for (name, text) in &pages {
-        publish(folder, name, text)?;
+        publish(folder, name, text.as_bytes())?;
     }
     result(&format!(
         "Wrote {} pages to {}; read one: man -l {}\n",
