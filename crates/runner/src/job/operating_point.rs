@@ -148,7 +148,9 @@ mod tests {
             let refused = job(at).unwrap_err();
             assert!(refused.contains(why), "{refused}");
         }
-        let refused = job("").unwrap().asked(None, &[("preload".to_owned(), 0.2)]).unwrap_err();
+        let at = [("rotating_speed", 15.0), ("relative_std", 0.1), ("static_friction", 0.3), ("preload", 0.2)];
+        let at = at.map(|(name, value)| (name.to_owned(), value));
+        let refused = job("").unwrap().asked(None, &at).unwrap_err();
         assert_eq!(refused.to_string(), "--at: preload has no value 0.2 on the grid; the nearest is 0.1");
     }
 }

@@ -95,8 +95,8 @@ impl TimeDomain {
         })
     }
 
-    /// Whether a motion in steps of length `h` slides at a speed that is not inside the `positive` ones, before it `is_over`
-    /// after so many steps.
+    /// Whether a motion in steps of length `h` meets a sliding speed outside the `positive` ones before it `is_over`, which
+    /// is asked after each step with the number of steps so far.
     fn leaves<E: Equations, O: Observer>(
         &self,
         equations: &E,
@@ -133,7 +133,7 @@ fn positive_speeds(law: &FrictionLaw, inputs: RandomInputs, disc_speed: f64) -> 
     positive.iter().any(|speed| speed.is_finite()).then_some(positive)
 }
 
-/// Of a motion whose speeds say all.
+/// Of a motion of which only the speeds count, not the events.
 struct Unobserved;
 
 impl Observer for Unobserved {

@@ -316,13 +316,18 @@ impl Configuration for PadConfiguration {
 
     fn count_outside(&self, samples: &Columns<'_>) -> u64 {
         let least = self.least_static(samples);
-        if least.varies() || matches!(self.prepared, Prepared::TimeDomain(_)) {
+        if least.curve.is_some() && (least.varies() || matches!(self.prepared, Prepared::TimeDomain(_))) {
             return (0..samples.len()).map(self.is_outside(samples)).map(u64::from).sum();
         }
-        // One number for all samples: the usual case, and the faster one.
         let pairs = samples.column(0).iter().zip(samples.column(1));
         let pairs = pairs.map(|(&preload, &static_friction)| RandomInputs { preload, static_friction });
-        pairs.map(|inputs| u64::from(inputs.are_outside_physics(least.shared))).sum()
+        match least.kinetic {
+            // One number for all samples: the usual case, and the faster one.
+            None => pairs.map(|inputs| u64::from(inputs.are_outside_physics(least.shared))).sum(),
+            Some(kinetic) => {
+                pairs.zip(kinetic).map(|(inputs, &least)| u64::from(inputs.are_outside_physics(least))).sum()
+            }
+        }
     }
 
     fn clamped(&self, samples: &Columns<'_>) -> Option<[Vec<f64>; 2]> {

@@ -314,11 +314,11 @@ impl PadOnDisc {
         inputs.are_outside_physics(self.friction.least_static_coefficient(self.disc_speed()))
     }
 
-    /// Whether a sample has a measured curve that is at or below 0 at rest or in steady sliding, or no preload: on any disc
-    /// it is outside physics then.
+    /// Whether a sample has a measured curve without friction at rest or in steady sliding: on any disc it is outside
+    /// physics then.
     #[must_use]
     pub fn lacks_friction(&self, inputs: RandomInputs) -> bool {
-        self.friction.is_table() && self.is_outside_physics(inputs)
+        self.friction.is_table() && inputs.static_friction < self.friction.least_static_coefficient(self.disc_speed())
     }
 
     /// The ranges of sliding speed (m/s) at which the friction coefficient is at or below 0, in rising order.
