@@ -24,11 +24,15 @@ def draw_surface(
 
     columns = {name: table[name].to_numpy() for name in table.column_names}
     about, axes = described(table), list(lengths(table))
+    # Axes by the names that they have in a job; that of standard deviations goes by the first input in which they vary.
+    names = {column: name for name, column in COLUMNS.items()}
+    names.update({column: "relative_std" for column in axes if column.startswith("std_")})
+    by_name = {names.get(column, column): column for column in axes}
     chosen = numpy.ones(table.num_rows, dtype=bool)
     for name, value in (at or {}).items():
-        column = COLUMNS.get(name, name)
+        column = by_name.get(name, name)
         if column not in axes:
-            raise ValueError(f"at: there is no axis {name!r} (there are {', '.join(axes)})")
+            raise ValueError(f"at: there is no axis {name!r} (there are {', '.join(by_name)})")
         near = numpy.isclose(columns[column], value, rtol=1e-9, atol=0.0)
         if not near.any():
             there = ", ".join(f"{one:g}" for one in numpy.unique(columns[column]))
@@ -36,9 +40,9 @@ def draw_surface(
         chosen &= near
     shown = [name for name in axes if len(numpy.unique(columns[name][chosen])) > 1]
     if not 1 <= len(shown) <= 2:
-        names = [{column: name for name, column in COLUMNS.items()}.get(name, name) for name in shown]
-        several = f"{', '.join(names)} have; choose a value with at={{{names[0]!r}: ...}}" if names else "none has"
-        raise ValueError(f"a surface is drawn over one or two axes with several values: {several}")
+        several = [names.get(column, column) for column in shown]
+        hint = f"{', '.join(several)} have; choose a value with at={{{several[0]!r}: ...}}" if several else "none has"
+        raise ValueError(f"a surface is drawn over one or two axes with several values: {hint}")
 
     def label(name: str) -> str:
         unit = about[name].get("units", "1")
@@ -46,16 +50,19 @@ def draw_surface(
         return words if unit == "1" else f"{words}, {unit}"
 
     ax.set(xlabel=label(shown[-1]), **({} if title is None else {"title": title}))
-    across = columns[shown[-1]][chosen]
-    probability = columns["p_unstable"][chosen]
+    # The values of an axis may be listed in any order.
+    rows = numpy.flatnonzero(chosen)
+    rows = rows[numpy.lexsort([columns[name][rows] for name in reversed(shown)])]
+    across = columns[shown[-1]][rows]
+    probability = columns["p_unstable"][rows]
     if len(shown) == 1:
-        ax.fill_between(across, columns["p_low"][chosen], columns["p_high"][chosen], alpha=0.3, linewidth=0.0)
+        ax.fill_between(across, columns["p_low"][rows], columns["p_high"][rows], alpha=0.3, linewidth=0.0)
         [line] = ax.plot(across, probability, marker=".")
         ax.set(ylabel="probability of instability", ylim=(-0.02, 1.02))
         if target is not None:
             ax.axhline(target, color="0.3", linewidth=0.8, linestyle="--")
         return line
-    up = columns[shown[0]][chosen]
+    up = columns[shown[0]][rows]
     shape = len(numpy.unique(up)), len(numpy.unique(across))
     grids = [values.reshape(shape) for values in (across, up, probability)]
     filled = ax.contourf(*grids, levels=LEVELS)

@@ -145,7 +145,7 @@ fn the_summary_of_a_run_is_there_for_programs() {
     // The same sentence as in words, and of a finished run again.
     let words = place.run("submit job.toml").done().stdout.split_whitespace().collect::<Vec<_>>().join(" ");
     let answer = said["answer"].as_str().unwrap().split_whitespace().collect::<Vec<_>>().join(" ");
-    assert!(answer.contains("P is below") && words.contains(&answer), "{answer}\n{words}");
+    assert!(answer.starts_with("P, the probability of instability: ") && words.contains(&answer), "{answer}\n{words}");
     assert_eq!(json(&place.run("submit job.toml --json").done().stdout), said);
     place.run("submit job.toml --json --shard 1/2").refused(64, &["cannot be used with"]);
 }

@@ -38,6 +38,19 @@ def test_probabilities_over_two_axes_are_filled_contours(small: dict[str, Any]) 
     assert ax.get_xlim() == (0.3, 0.45) and ax.get_ylim() == (0.1, 0.2)
 
 
+def test_the_axis_of_standard_deviations_has_the_name_of_a_job(small: dict[str, Any]) -> None:
+    small["axes"] = {"rotating_speed": 15.0, "preload": [0.2, 0.1], "static_friction": 0.4}
+    small["random"]["relative_std"] = [0.1, 0.2]
+    run = stickslip.run(small, progress=False)
+    line = run.plot(ax=Figure().subplots(), at={"relative_std": 0.1})
+    surface = run.surface().sort_values("preload")
+    # Whatever the order of the values in the job.
+    assert line.get_xdata().tolist() == [0.1, 0.2]
+    assert np.array_equal(line.get_ydata(), surface[surface["std_preload"] == 0.1]["p_unstable"])
+    with pytest.raises(ValueError, match="relative_std = 0.3 is no value of this axis; it has 0.1, 0.2"):
+        run.plot(ax=Figure().subplots(), at={"relative_std": 0.3})
+
+
 def test_what_cannot_be_drawn_into_axes_is_refused(small: dict[str, Any]) -> None:
     run = stickslip.run(small, progress=False)
     ax = Figure().subplots()

@@ -147,7 +147,7 @@ pub struct SubmitArguments {
     /// Say first whether the probability is below this one, in place of the job's target
     #[arg(long, value_name = "P", value_parser = probability, allow_negative_numbers = true)]
     pub target: Option<f64>,
-    /// Say first what holds at this operating point, for example rotating_speed=15; may be given for several axes
+    /// Say first what holds at this operating point, for example rotating_speed=15; once for each axis of several values
     #[arg(long, value_name = "AXIS=VALUE", value_parser = axis_value)]
     pub at: Vec<(String, f64)>,
     /// Compute only one of N shards, to be merged later; I counts from 1 to N or from 0 to N-1
@@ -281,7 +281,7 @@ pub struct ReportArguments {
     /// Say first whether the probability is below this one, in place of the job's target
     #[arg(long, value_name = "P", value_parser = probability, allow_negative_numbers = true)]
     pub target: Option<f64>,
-    /// Say first what holds at this operating point, for example rotating_speed=15; may be given for several axes
+    /// Say first what holds at this operating point, for example rotating_speed=15; once for each axis of several values
     #[arg(long, value_name = "AXIS=VALUE", value_parser = axis_value)]
     pub at: Vec<(String, f64)>,
     #[command(flatten)]

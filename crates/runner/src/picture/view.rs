@@ -373,11 +373,11 @@ pub fn scatter_of_entry(job: &Job, entry: usize) -> String {
         let is_absolute = job.random.absolute().any(|absolute| absolute == position);
         if is_absolute { &mut absolute } else { &mut relative }.push(format!("{name} {std}"));
     }
-    let relative = if relative.is_empty() { "none".to_owned() } else { relative.join(", ") };
-    if absolute.is_empty() {
-        format!("relative std: {relative}")
-    } else {
-        format!("relative std: {relative}; std: {}", absolute.join(", "))
+    match (relative.join(", "), absolute.join(", ")) {
+        (relative, absolute) if relative.is_empty() && absolute.is_empty() => "relative std: none".to_owned(),
+        (relative, absolute) if absolute.is_empty() => format!("relative std: {relative}"),
+        (relative, absolute) if relative.is_empty() => format!("std: {absolute}"),
+        (relative, absolute) => format!("relative std: {relative}; std: {absolute}"),
     }
 }
 

@@ -101,9 +101,11 @@ impl Matching {
             let cell = job.grid.cell(index);
             let expected = places.iter().map(|place| place.map_or(f64::NAN, |place| cell.expected[place]));
             let pair = job.normal_pair(&cell).relative_std;
-            // If both runs have the same random inputs, the standard deviations of the others belong to the cell, too.
-            let stds = same_inputs.then(|| &job.random.relative_stds[cell.scatter]);
-            let all = expected.chain(pair).chain(stds.into_iter().flatten().copied());
+            // If both runs have the same random inputs, the standard deviations of the others belong to the cell, too, relative
+            // ones and those in a unit apart.
+            let stds = same_inputs.then(|| &job.random.relative_stds[cell.scatter]).into_iter().flatten();
+            let kind = |(input, _): (usize, &f64)| if job.random.is_absolute(input) { 1.0 } else { 0.0 };
+            let all = expected.chain(pair).chain(stds.clone().copied()).chain(stds.enumerate().map(kind));
             all.map(f64::to_bits).collect()
         };
         let mut in_second: HashMap<Vec<u64>, Vec<u64>> = HashMap::new();
