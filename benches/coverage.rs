@@ -379,7 +379,8 @@ fn print_conditional(method: &str, inputs: usize, p: f64, points: u64, seeds: u6
             for z in stream.draw(0, randomisation, 0..points).chunks_exact(inputs) {
                 sums.add(beyond::weight(z), Some(given(z)));
             }
-            let far = stream.draw(0, beyond::RANDOMISATIONS + randomisation, 0..points.div_ceil(beyond::EACH));
+            let far = beyond::beside(0..points, randomisation);
+            let far = stream.draw(0, beyond::RANDOMISATIONS + randomisation, far);
             for z in far.chunks_exact(inputs) {
                 let mut point = z.to_vec();
                 let weight = beyond::move_out(&mut point);

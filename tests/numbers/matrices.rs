@@ -663,7 +663,7 @@ fn modes_and_frequencies_of_unstable_samples_are_drawn() {
     };
     assert_eq!([lines("#0072b2", "1.2"), lines("#d55e00", "2.6")], [4, 2]);
     let over = drawn("plot brake.toml --of modes --along damping_2 --columns 1 --out d.svg", "d.svg");
-    assert!(over.contains(">damping_2<") && over.contains("friction = 0.27"));
+    assert!(over.contains(">damping_2 (10⁻³)<") && over.contains("friction = 0.27"));
     let line = "plot brake.toml --of squeal-frequencies --cell 16";
     let bars = drawn(&format!("{line} --threads 1 --out one.svg"), "one.svg");
     assert!(bars.contains("of 10,000 samples unstable, P = 0.80"), "{bars}");

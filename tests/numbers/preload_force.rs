@@ -118,7 +118,7 @@ fn a_force_that_cannot_be_meant_is_refused_with_a_remedy() {
             &["job.toml:8:16: random.relative_std: write \"preload\" for \"preload_force\""],
         ),
         (job("preload = 2000", ""), &["write 0.00569842 for 2000 N, or give preload_force = 2000 in its place"]),
-        (job("preload_force = \"2 kN\"", ""), &["job.toml:3:17: axes.preload_force is the string \"2 kN\""]),
+        (job("preload_force = \"2 kN\"", ""), &["job.toml:3:17: axes.preload_force: 2 kN has a unit", "2 kN = 2000 N"]),
     ] {
         checked(&text).refused(65, texts);
     }

@@ -90,7 +90,7 @@ fn oscillators_are_analysed_in_metres_and_seconds() {
         assert!(text.contains("end of stick-slip") && !text.contains("preload"), "{text}");
         place
             .run(&format!("analyse --job {} --set pad.mass=1", job.display()))
-            .refused(64, &["change the value in the job instead"]);
+            .refused(64, &["there is no parameter pad.mass (there are normal_force, "]);
     }
 }
 

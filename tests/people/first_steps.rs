@@ -186,5 +186,5 @@ fn small_probabilities_and_hidden_slices_are_printed() {
     );
     assert!(printed.lines().count() < 24 && printed.contains("\nand 52 further slices\n"), "{printed}");
     // What P is, is said once.
-    assert_eq!(printed.matches("P is the probability of instability").count(), 1, "{printed}");
+    assert_eq!(printed.matches("P, the probability of instability").count(), 1, "{printed}");
 }

@@ -264,7 +264,7 @@ fn the_difference_of_two_runs_is_a_map_with_its_line_of_zero_and_hatching() {
         ">Difference of probability<",
         ">+0.01<",
         ">−0.5<",
-        ">P of plane minus P of slower<",
+        ">P of plane minus P of slower.<",
         "hatched: not significant, 0 is in the 95 % interval for all cells together",
     ] {
         assert!(svg.contains(text), "{text}");
@@ -275,7 +275,7 @@ fn the_difference_of_two_runs_is_a_map_with_its_line_of_zero_and_hatching() {
     place.run("plot slower --against plane --columns 1 --out reversed.svg").done();
     let svg = fs::read_to_string(place.path("reversed.svg")).unwrap();
     assert_eq!([JUST_HIGHER, ZERO].map(|colour| fills(&svg, colour)), [1, 2], "the difference is nowhere above zero");
-    assert!(svg.contains(">P of slower minus P of plane<") && !svg.contains(">0<"));
+    assert!(svg.contains(">P of slower minus P of plane.<") && !svg.contains(">0<"));
 
     // A run and itself differ nowhere.
     place.run("plot plane --against plane --out same.svg").done();

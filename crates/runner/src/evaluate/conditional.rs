@@ -7,7 +7,7 @@ use std::ops::Range;
 use stickslip_core::model::critical_values::NoMemory;
 use stickslip_core::model::verdict::Verdict;
 use stickslip_core::model::{Configuration, ModelError};
-use stickslip_sampler::draw::beyond::{self, EACH, RANDOMISATIONS};
+use stickslip_sampler::draw::beyond::{self, RANDOMISATIONS};
 use stickslip_sampler::grid::Cell;
 use stickslip_sampler::inputs::{Correlation, InputDistribution};
 use stickslip_sampler::integrate::one_input;
@@ -101,8 +101,7 @@ impl Conditional {
             let weight = beyond::move_out(&mut sample[..inputs]);
             add(None, weight, of_cell.probability(sample).ok());
         };
-        // Each follows the sample that has `EACH` times its number.
-        let far = samples.start.div_ceil(EACH)..samples.end.div_ceil(EACH);
+        let far = beyond::beside(samples, randomisation);
         self.each(job, (cell.index, RANDOMISATIONS + randomisation), far, is_stopped, &mut decide_beyond)
     }
 

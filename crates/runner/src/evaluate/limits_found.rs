@@ -34,7 +34,9 @@ pub struct CombinationLimits {
 /// A probability with its interval of the confidence of a search, and that which plain samples are compared with.
 #[derive(Debug, Clone, Copy)]
 pub struct Intervals {
+    /// With the interval of the confidence of the search.
     pub estimate: Estimate,
+    /// With that for plain samples.
     pub compared: Estimate,
 }
 

@@ -22,7 +22,9 @@ impl CheckedAxes {
     /// Checks every axis.
     pub fn new(axes: &AxesSpec, draft: &dyn Draft, complaints: &mut Complaints) -> Self {
         let before = complaints.len();
-        for (i, entry) in axes.0.iter().enumerate() {
+        let is_read = |(_, entry): &(usize, &AxisEntry)| !complaints.has_unread_parameter(entry.name.get_ref());
+        let read: Vec<(usize, &AxisEntry)> = axes.0.iter().enumerate().filter(is_read).collect();
+        for (i, entry) in read {
             complaints.push_some(unknown(entry, draft).or_else(|| given_twice(entry, &axes.0[..i], draft)));
         }
         let mut given = Vec::new();

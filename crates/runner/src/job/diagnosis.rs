@@ -169,6 +169,11 @@ impl Complaints {
         self.unread.iter().any(|unread| unread.len() >= path.len() && path.iter().zip(unread).all(|(a, b)| a == b))
     }
 
+    /// Whether this is a parameter of the model that could not be read, of which nothing else is to be said.
+    pub fn has_unread_parameter(&self, name: &str) -> bool {
+        self.has_unread(&["model", "parameters", name])
+    }
+
     /// How many there are.
     pub fn len(&self) -> usize {
         self.list.len()

@@ -260,7 +260,8 @@ fn validate_inputs(random: &RandomSpec, names: Names<'_>, complaints: &mut Compl
     let mut inputs = Vec::new();
     for name in spec.get_ref() {
         let input = input_of(name.get_ref(), names).map_err(|message| Complaint::at(name.span(), message));
-        inputs.push(complaints.take(input));
+        let is_unread = complaints.has_unread_parameter(name.get_ref());
+        inputs.push(if is_unread { input.ok() } else { complaints.take(input) });
     }
     let mut inputs = inputs.into_iter().collect::<Option<Vec<_>>>()?;
     inputs.sort_unstable();

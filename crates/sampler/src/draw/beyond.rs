@@ -2,10 +2,10 @@
 //!
 //! Of independent standard normal deviates `u`, let `Q(u)` be the probability that others are farther from the origin. Beside
 //! every [`EACH`] points with the normal density `phi` there is one beyond. Its direction is that of any other point, and the
-//! logarithm of its `Q` is uniform between those of 0.1 and 1e-15: each power of ten has as many points. So they have the density
+//! logarithm of its `Q` is uniform between those of 0.001 and 1e-15: each power of ten has as many points. So they have the density
 //!
 //! ```text
-//! t(u) = phi(u) / (14 ln(10) Q(u))
+//! t(u) = phi(u) / (12 ln(10) Q(u))
 //! ```
 //!
 //! All points together are a sample of the mixture of both. Whichever it was drawn from, a point counts
@@ -15,11 +15,12 @@
 //! ```
 //!
 //! so that the sum of `a g` over all points, divided by the number of those with the normal density, is the mean of `g` without
-//! bias, and no point counts for more than 1 (the balance heuristic: E. Veach, L. J. Guibas, SIGGRAPH 1995, 419-428). Nine of ten
-//! points with the normal density count 1. A region five standard deviations out, which one of some million points would meet,
+//! bias, and no point counts for more than 1 (the balance heuristic: E. Veach, L. J. Guibas, SIGGRAPH 1995, 419-428). 999 of 1000
+//! points with the normal density count 1, so that smooth means keep the precision of their nets. A region five standard deviations out, which one of some million points would meet,
 //! gets its share of the points beyond, and each of them counts some 1e-5.
 
 use std::f64::consts::{FRAC_2_SQRT_PI, LN_10};
+use std::ops::Range;
 
 use crate::special_functions::normal;
 
@@ -30,15 +31,23 @@ pub const EACH: u64 = 4;
 pub const RANDOMISATIONS: u64 = 1 << 32;
 
 /// Where points lie beyond: from the largest to the smallest probability of points farther out.
-const FROM: f64 = 0.1;
+const FROM: f64 = 1e-3;
 const TO: f64 = 1e-15;
-const DECADES: f64 = 14.0;
+const DECADES: f64 = 12.0;
 
 /// Halvings of a distance: to the last digit.
 const HALVINGS: usize = 60;
 
-/// The share of the largest distance from the origin beyond that of the mean square: 8.3 standard deviations have 1e-15.
+/// No point lies farther from the origin than this and the root of the mean square: that has a probability below 1e-17.
 const FARTHEST: f64 = 9.0;
+
+/// The points beyond that belong to points of a randomisation: one to every fourth of them, from the first, second, third or
+/// fourth on by turns, so that four randomisations together have one to [`EACH`] whatever their size.
+#[must_use]
+pub fn beside(points: Range<u64>, randomisation: u64) -> Range<u64> {
+    let before = |point: u64| point.saturating_sub(randomisation % EACH).div_ceil(EACH);
+    before(points.start)..before(points.end)
+}
 
 /// What a point of the normal distribution counts.
 #[must_use]
@@ -138,19 +147,40 @@ mod tests {
                 let mut moved = point.to_vec();
                 let counts = move_out(&mut moved);
                 let beyond = farther(square(&moved), dimensions);
-                assert!((0.99e-15..0.101).contains(&beyond) && (0.0..=1.0).contains(&counts), "{beyond:e} {counts}");
-                assert!(!(1.01e-15..=0.099).contains(&beyond) || (counts / weight(&moved) - 1.0).abs() < 1e-9);
+                assert!((0.99e-15..1.01e-3).contains(&beyond) && (0.0..=1.0).contains(&counts), "{beyond:e} {counts}");
+                let is_at_an_end = !(1.01e-15..=0.99e-3).contains(&beyond);
+                assert!(is_at_an_end || (counts / weight(&moved) - 1.0).abs() < 1e-9);
                 // The direction stays.
                 let along: f64 = point.iter().zip(&moved).map(|(a, b)| a * b).sum();
                 assert!((along / (square(point) * square(&moved)).sqrt() - 1.0).abs() < 1e-9);
                 decades[(-beyond.log10()).floor().clamp(0.0, 14.0) as usize] += 1;
             }
-            // A fourteenth of 1024 in each.
-            assert!(decades[1..].iter().all(|count| (45..=105).contains(count)), "{dimensions}: {decades:?}");
+            // A twelfth of 1024 in each.
+            assert!(decades[3..].iter().all(|count| (55..=118).contains(count)), "{dimensions}: {decades:?}");
         }
         let mut origin = [0.0; 3];
         let counts = move_out(&mut origin);
         assert!(origin[0] > 8.0 && (0.0..1e-12).contains(&counts), "{origin:?} {counts}");
+    }
+
+    #[test]
+    fn a_fifth_of_all_points_lies_beyond() {
+        for points in [1, 2, 3, 4, 16, 625, 1000] {
+            let all: u64 = (0..16).map(|randomisation| beside(0..points, randomisation).end).sum();
+            assert_eq!(all, 4 * points);
+            for randomisation in 0..16 {
+                let whole = beside(0..points, randomisation);
+                assert!(whole.start == 0 && whole.end <= points.div_ceil(EACH));
+                // In any pieces they are the same.
+                for middle in 0..=points {
+                    let [first, second] = [0..middle, middle..points].map(|piece| beside(piece, randomisation));
+                    assert!(first.start == 0 && first.end == second.start && second.end == whole.end);
+                    assert!(second.end - second.start <= (points - middle).div_ceil(EACH));
+                }
+            }
+        }
+        // Randomisations of a power of two have one as well.
+        assert!((0..16).all(|randomisation| beside(0..256, randomisation) == (0..64)));
     }
 
     /// Of a region that no other point meets, too.
