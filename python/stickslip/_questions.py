@@ -32,13 +32,13 @@ Estimate = Literal["static_friction", "preload_factor", "std.preload", "std.stat
 
 
 def check(job: Job, *, threads: int | None = None) -> dict[str, Any]:
-    """Validate a job, and predict what it will cost. The cost is measured, which takes up to three seconds.
+    """Validate a job, and predict what it will cost. The cost is measured, which takes some seconds, ten at most.
 
     Returns
     -------
     dict
-        The keys of ``check --json``: ``cells``, ``samples_at_most``, ``seconds_of_a_sample`` on one thread, ``job``
-        (the job as TOML with every default filled in) and others.
+        The keys of ``check --json``: ``cells``, ``samples_at_most``, ``seconds`` of the whole run (``None`` where
+        ``not_known_because`` says why), ``job`` (the job as TOML with every default filled in) and others.
 
     Raises
     ------

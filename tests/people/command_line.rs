@@ -338,6 +338,41 @@ fn check_shows_a_job_that_can_itself_be_submitted() {
 
 #[test]
 #[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
+fn check_predicts_the_time_of_a_run_with_every_method() {
+    let place = Place::new();
+    let matrices = "[model]\nkind = \"matrices\"\nmass = { matrix = [[1.0, 0.0], [0.0, 1.0]] }\n\
+        damping = { matrix = [[0.01, 0.0], [0.0, 0.01]] }\n\
+        stiffness = [{ matrix = [[2.0, 1.0], [1.0, 2.0]] }, { matrix = [[0.0, -1.3], [0.0, 0.0]], factor = \"friction\" }]\n\
+        [model.parameters]\nfriction = 0.6\n[random]\ninputs = [\"friction\"]\nrelative_std = 0.1\n\
+        [criterion]\nkind = \"complex-eigenvalue\"\n";
+    let pad = "[random]\ninputs = [\"preload\", \"static_friction\", \"damping.tangential\"]\nrelative_std = 0.1\n\
+        [criterion]\nkind = \"eigenvalue\"\n";
+    let plain = pad.replace(", \"damping.tangential\"", "");
+    for (model, sampling, draws_samples) in [
+        (matrices, "samples = 100", true),
+        (matrices, "method = \"exact\"", false),
+        (pad, "samples = 1000", true),
+        (plain.as_str(), "method = \"exact\"", false),
+        (pad, "method = \"conditional\"\nsamples = 256", true),
+        (pad, "method = \"importance\"\nparticles = 100\nsamples = 256", true),
+        (pad, "method = \"subset\"\nparticles = 100", true),
+        (pad, "until = { half_width = 0.1, at_most = 1000 }", true),
+    ] {
+        place.write("job.toml", &format!("name = \"job\"\n{model}[sampling]\n{sampling}\n"));
+        let said = place.run("check job.toml --threads 1 --json").done().stdout;
+        let said: serde_json::Value = serde_json::from_str(&said).unwrap();
+        let number = |key: &str| said[key].as_f64().unwrap_or_else(|| panic!("{sampling}: no {key} in {said}"));
+        let [low, seconds, high] = ["seconds_low", "seconds", "seconds_high"].map(number);
+        assert!(0.0 < low && low < seconds && seconds < high && number("seconds_of_set_up") <= seconds, "{said}");
+        assert!(said["not_known_because"].is_null(), "{said}");
+        assert_eq!(said["seconds_of_a_sample"].as_f64().is_some(), draws_samples, "{said}");
+        let said = place.run("check job.toml --threads 1").done().stdout;
+        assert!(!said.contains("at least") && said.contains(" on 1 thread"), "{said}");
+    }
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn shipped_jobs_are_checked_without_a_warning_and_run() {
     let place = Place::new();
     for entry in fs::read_dir(repository().join("jobs")).unwrap() {
@@ -348,7 +383,7 @@ fn shipped_jobs_are_checked_without_a_warning_and_run() {
         let job = path.display();
         let checked = place.run(&format!("check {job}")).done();
         assert!(!checked.stderr.contains("warning"), "{}", checked.stderr);
-        let costs = ["samples/s on one, measured now", "# no samples: ", "no sample was finished"];
+        let costs = ["samples/s on one, measured now", "# no samples: ", "in a time that is not known"];
         assert!(costs.iter().any(|cost| checked.stdout.contains(cost)), "{}", checked.stdout);
         let name = path.file_stem().unwrap().to_str().unwrap();
         let samples = match name {

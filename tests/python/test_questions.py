@@ -122,6 +122,8 @@ def test_check_returns_cells_and_cost(small: dict[str, Any]) -> None:
     answer = stickslip.check(small, threads=1)
     assert answer["cells"] == 24 and answer["samples_at_most"] == 24_000
     assert answer["seconds_of_a_sample"] > 0
+    assert answer["seconds_low"] < answer["seconds"] < answer["seconds_high"]
+    assert 0 < answer["seconds_of_set_up"] < answer["seconds"] and answer["not_known_because"] is None
     with pytest.raises(stickslip.JobError):
         stickslip.check({"name": "nothing"})
 

@@ -12,6 +12,8 @@ mod status;
 
 mod kept_beside;
 
+mod costs;
+
 mod check;
 
 mod one_brake;

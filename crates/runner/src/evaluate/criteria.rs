@@ -53,6 +53,11 @@ impl Criteria {
         Ok(Self { kept: (0..kept).map(|_| OnceLock::new()).collect(), first, varying })
     }
 
+    /// How many configurations are kept once they are prepared: all or none.
+    pub fn kept(&self) -> usize {
+        self.kept.len()
+    }
+
     /// A configuration of the grid of a job; `None` if there is no such one.
     pub fn configuration(&self, job: &Job, index: usize) -> Option<Arc<dyn Configuration>> {
         if index == 0 {

@@ -124,6 +124,22 @@ impl<'a> Evaluator<'a> {
         &mut self.maps
     }
 
+    /// How many configurations are set up and kept; 1 if there are too many to keep, and each evaluation sets up its own.
+    pub fn set_ups(&self) -> usize {
+        self.criteria.kept().max(1)
+    }
+
+    /// Prepares the configuration of a part, as far as that is done before its first sample.
+    pub fn prepare(&self, part: u64) {
+        let (cell, _) = self.parts.place(part);
+        self.criteria.configuration(self.job, self.job.grid.configuration_index(cell));
+    }
+
+    /// Whether samples are evaluated for their verdicts, and not for integrals or by searches.
+    pub fn counts_verdicts(&self) -> bool {
+        self.conditional.is_none() && self.rare_events.is_none() && self.job.draws_samples()
+    }
+
     /// Evaluates one unit of work, consecutive samples of a part, and counts what the job records; `None` if it is
     /// stopped before.
     pub fn count(&self, part: u64, samples: Range<u64>, is_stopped: IsStopped<'_>) -> Option<FinishedUnit> {

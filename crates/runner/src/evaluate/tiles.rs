@@ -14,21 +14,6 @@ const FIRST_BATCH: usize = 64;
 /// Time between two counts, by the cost of the simulations before.
 const BATCH_TIME: Duration = Duration::from_millis(200);
 
-/// The cost of resolving some tiles.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct MapTrial {
-    /// Tiles that were started.
-    pub tiles: u64,
-    /// Tiles that were dropped because they took too long.
-    pub unfinished: u64,
-    /// Simulations.
-    pub simulations: u64,
-    /// Their time in seconds, over all threads.
-    pub seconds: f64,
-    /// The relative standard error of the time of a tile.
-    pub error: f64,
-}
-
 impl Evaluator<'_> {
     /// Resolves one tile. `count` is called with the number of simulations of each batch. The search ends as soon as it
     /// `is_stopped`, also in the middle of a batch, and the result is `None`.

@@ -150,13 +150,6 @@ impl Job {
         u128::from(self.cells()) * u128::from(self.sampling.samples)
     }
 
-    /// Verdicts that counting its samples takes, at most, if each is simulated: of a sample with Sobol indices also
-    /// those of the second sample and of the mixed ones.
-    pub fn verdicts_of_samples(&self) -> u128 {
-        let of_a_sample = if self.sampling.sensitivity { 2 + self.random.inputs.len() } else { 1 };
-        self.total_samples() * of_a_sample as u128
-    }
-
     /// Audited samples: looked up, and simulated as a check. About so many over all cells.
     pub fn audited_samples(&self) -> u128 {
         match self.sampling.audit {

@@ -2,6 +2,10 @@
 
 pub mod time_left;
 
+pub mod cost;
+
+pub mod within;
+
 mod bar_line;
 
 pub mod progress;
@@ -18,4 +22,10 @@ mod in_order;
 
 pub mod mapping;
 
+mod places;
+
 pub mod trial;
+
+pub mod map_trial;
+
+pub mod integral_trial;

@@ -17,15 +17,15 @@ const BOUNDS: f64 = 2.0;
 /// Largest relative distance of bounds from an estimate that is shown without them.
 const CLOSE: f64 = 0.3;
 
-/// Largest relative distance of a lower bound of a rate from which an upper bound of a time is shown.
-const WIDE: f64 = 0.8;
+/// Largest relative distance of bounds from an estimate that is shown at all.
+const WIDEST: f64 = 2.5;
 
 /// A prediction of a time in seconds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Prediction {
     /// Too little is known.
     Unknown,
-    /// At least this long.
+    /// At least this long: more may have to be done than is known of.
     AtLeast(f64),
     /// Between these two.
     Between(f64, f64),
@@ -39,10 +39,9 @@ impl Prediction {
         let distance = BOUNDS * relative_error;
         if distance <= CLOSE {
             Self::About(seconds)
-        } else if distance <= WIDE {
-            Self::Between(seconds / (1.0 + distance), seconds / (1.0 - distance))
-        } else if distance.is_finite() {
-            Self::AtLeast(seconds / (1.0 + distance))
+        } else if distance <= WIDEST {
+            // Times differ by factors.
+            Self::Between(seconds / (1.0 + distance), seconds * (1.0 + distance))
         } else {
             Self::Unknown
         }
@@ -53,7 +52,16 @@ impl Prediction {
         match self {
             Self::Unknown => None,
             Self::AtLeast(seconds) | Self::About(seconds) => Some(seconds),
-            Self::Between(low, high) => Some((low + high) / 2.0),
+            Self::Between(low, high) => Some((low * high).sqrt()),
+        }
+    }
+
+    /// The least and the largest that it probably is, if both are known.
+    pub fn bounds(self) -> Option<[f64; 2]> {
+        match self {
+            Self::Unknown | Self::AtLeast(_) => None,
+            Self::Between(low, high) => Some([low, high]),
+            Self::About(seconds) => Some([seconds / (1.0 + CLOSE), seconds * (1.0 + CLOSE)]),
         }
     }
 
@@ -241,7 +249,23 @@ mod tests {
         // All of it was done in the first second.
         let mut meter = RateMeter::new();
         (1..=80).for_each(|tick| meter.record(0.1 * f64::from(tick), 100.0));
-        assert!(matches!(meter.time_left(8.0, 100.0, 100.0), Prediction::AtLeast(low) if low < 8.0));
+        let prediction = meter.time_left(8.0, 100.0, 100.0);
+        assert!(matches!(prediction, Prediction::Between(low, high) if low < 4.0 && high > 16.0), "{prediction:?}");
+    }
+
+    #[test]
+    fn only_what_may_be_more_is_a_lower_bound() {
+        for error in [0.0, 0.1, 0.3, 1.0, 1.25] {
+            let prediction = Prediction::from_rate(10.0, error);
+            assert!(matches!(prediction, Prediction::About(_) | Prediction::Between(..)), "{error}: {prediction:?}");
+            assert!((prediction.seconds().unwrap() - 10.0).abs() < 1e-9);
+            assert!(prediction.bounds().is_some_and(|[low, high]| low < 10.0 && 10.0 < high));
+            assert!(matches!(prediction.at_least(), Prediction::AtLeast(low) if low <= 10.0));
+            assert_eq!(prediction.at_least().bounds(), None);
+        }
+        assert_eq!(Prediction::from_rate(10.0, 2.0), Prediction::Unknown);
+        assert_eq!(Prediction::from_rate(10.0, f64::INFINITY), Prediction::Unknown);
+        assert_eq!(Prediction::from_rate(10.0, f64::NAN), Prediction::Unknown);
     }
 
     #[test]
