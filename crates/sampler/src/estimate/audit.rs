@@ -49,7 +49,7 @@ pub fn upper_bound(differed: u64, audited: u64, confidence: f64) -> f64 {
 const CONTRADICTION: f64 = 1e-6;
 
 /// The confidence of the interval of a probability that plain samples are compared with. At 95 % one right estimate of
-/// twenty misses by chance, and enough plain samples would tell; here the interval has half of [`CONTRADICTION`].
+/// twenty misses by chance, and enough plain samples would tell; here the interval has half of the 1e-6 at which they contradict.
 pub const COMPARED: f64 = 1.0 - 0.5 * CONTRADICTION;
 
 /// How improbable counts of plain samples have to be at the end of that interval: few unstable ones and many share the rest.
