@@ -28,6 +28,20 @@ if TYPE_CHECKING:
     import xarray
     from matplotlib.axes import Axes
 
+Drawn = Literal[
+    "probability",
+    "sobol",
+    "verdicts",
+    "modes",
+    "squeal-frequencies",
+    "inputs",
+    "samples",
+    "convergence",
+    "distribution",
+    "friction",
+]
+"""What :meth:`Run.plot` draws."""
+
 
 class Run:
     """A run directory. It is a path for the functions of this package and others (``os.PathLike``).
@@ -227,19 +241,7 @@ class Run:
     def plot(
         self,
         *,
-        of: Literal[
-            "probability",
-            "sobol",
-            "verdicts",
-            "modes",
-            "squeal-frequencies",
-            "inputs",
-            "samples",
-            "convergence",
-            "distribution",
-            "friction",
-        ]
-        | None = None,
+        of: Drawn | None = None,
         cell: int | None = None,
         result: str | None = None,
         x: str | None = None,
@@ -266,19 +268,7 @@ class Run:
     def plot(
         self,
         *,
-        of: Literal[
-            "probability",
-            "sobol",
-            "verdicts",
-            "modes",
-            "squeal-frequencies",
-            "inputs",
-            "samples",
-            "convergence",
-            "distribution",
-            "friction",
-        ]
-        | None = None,
+        of: Drawn | None = None,
         cell: int | None = None,
         result: str | None = None,
         x: str | None = None,

@@ -36,7 +36,6 @@ pub fn report(
     limits: Option<&RunLimits>,
 ) -> Result<(), Failure> {
     let summary = Summary::new(surface);
-    let asked = job.asked_cell().map(|cell| KnownCell::from(&surface.row(cell)));
     let line = closing_line(&directory.surface(), job, &summary) + limits.map_or("", |limits| &limits.line);
     let notes = [
         summary.exceptions.sentences(job).into_iter().map(|sentence| sentence + "\n").collect(),
@@ -46,7 +45,7 @@ pub fn report(
         outdated::line(&outdated::outdated(directory), directory.path()),
     ]
     .concat();
-    result(&format!("{}{}{line}{notes}", picture(surface), wrapped(&answer(job, &summary.estimates, asked.as_ref()))))?;
+    result(&format!("{}{}{line}{notes}", picture(surface), wrapped(&answered(job, surface, &summary))))?;
     judged(directory, job, &summary, limits)
 }
 
@@ -61,7 +60,6 @@ pub fn report_as_json(
     limits: Option<&RunLimits>,
 ) -> Result<(), Failure> {
     let summary = Summary::new(surface);
-    let asked = job.asked_cell().map(|cell| KnownCell::from(&surface.row(cell)));
     let known = || summary.estimates.iter().filter_map(|estimate| estimate.probability);
     let said = json!({
         "run": directory.path().display().to_string(),
@@ -75,11 +73,17 @@ pub fn report_as_json(
         "samples_audit_differed": summary.lookups.differed,
         "p_unstable_min": known().reduce(f64::min),
         "p_unstable_max": known().reduce(f64::max),
-        "answer": answer(job, &summary.estimates, asked.as_ref()).trim_end(),
+        "answer": answered(job, surface, &summary).trim_end(),
         "notes": summary.exceptions.sentences(job),
     });
     result(&format!("{said:#}\n"))?;
     judged(directory, job, &summary, limits)
+}
+
+/// The result in sentences, that of the operating point first.
+fn answered(job: &Job, surface: &Surface<'_>, summary: &Summary) -> String {
+    let asked = job.asked_cell().map(|cell| KnownCell::from(&surface.row(cell)));
+    answer(job, &summary.estimates, asked.as_ref())
 }
 
 /// Refuses a result that its audit contradicts. It is written all the same.

@@ -16,8 +16,9 @@
 //!
 //! so that the sum of `a g` over all points, divided by the number of those with the normal density, is the mean of `g` without
 //! bias, and no point counts for more than 1 (the balance heuristic: E. Veach, L. J. Guibas, SIGGRAPH 1995, 419-428). 999 of 1000
-//! points with the normal density count 1, so that smooth means keep the precision of their nets. A region five standard deviations out, which one of some million points would meet,
-//! gets its share of the points beyond, and each of them counts some 1e-5.
+//! points with the normal density count 1, so that smooth means keep the precision of their nets. A region five standard
+//! deviations out, which one of some million points would meet, gets its share of the points beyond, and each of them counts
+//! some 1e-5.
 
 use std::f64::consts::{FRAC_2_SQRT_PI, LN_10};
 use std::ops::Range;
