@@ -1,7 +1,7 @@
 //! Proofs of which eigenvalues of dense matrices are unstable over intervals of a path.
 
 use super::branches::Path;
-use super::discs::{Discs, Expansion, Isolated};
+use super::discs::{Discs, Expansion};
 use super::error::Error;
 use super::quadratic::DenseQuadratic;
 use super::region::{RESOLUTION, Region, ZERO};
@@ -156,18 +156,14 @@ impl<'a> Covering<'a> {
         (0..discs.radii.len()).map(|index| self.eigenvalue(discs, index)).collect()
     }
 
-    /// An eigenvalue beside the threshold itself where discs tell on which side it is or where it passes; otherwise beside the one
-    /// below which samples count as unstable, so that undamped ones are stable.
+    /// An eigenvalue beside the threshold itself; where it is on that all along, as far as rounding tells, beside the one below which
+    /// samples count as unstable, so that undamped ones are stable.
     fn eigenvalue(&self, discs: &Discs, index: usize) -> Seen {
         let beside = |by: f64| self.beside(discs, index, self.region.damping_ratio - by);
         let seen = beside(0.0);
-        let is_told = match discs.radii[index] {
-            Some(Isolated { radius, .. }) => {
-                seen.is_exact || radius < seen.clear() || crossing(discs, &seen, index, radius).is_some()
-            }
-            None => seen.clear() > 0.0,
-        };
-        if is_told { seen } else { beside(RESOLUTION) }
+        let of_rounding = ROUNDED * discs.rounding[index];
+        let is_on = |distance: &Distance| -distance.least < of_rounding && distance.most < of_rounding;
+        if seen.distances.first().is_some_and(is_on) { beside(RESOLUTION) } else { seen }
     }
 
     fn beside(&self, discs: &Discs, index: usize, threshold: f64) -> Seen {
@@ -215,12 +211,12 @@ impl<'a> Covering<'a> {
             // Next to zero nothing is unstable.
             if is_real { (least, -most) } else { (least - 2.0 * ZERO, (-most).max(ZERO - re.max(im))) }
         };
-        // It is its own mirror image in the middle and never meets another one; no other disc can have zero.
+        // It is its own mirror image in the middle and never meets another one; no other disc can have zero, as those of others are
+        // at most half as large as their distance from this one.
         let is_exact = isolated.is_some_and(|isolated| {
             let is_on_axis = self.is_mirrored && damping_ratio <= 0.0 && isolated.cluster == 1;
-            let is_zero = isolated.cluster <= self.zeros && centre[0].im == 0.0;
-            is_on_axis && isolated.radius + 2.0 * re < 0.5 * isolated.gap
-                || is_zero && re + im < (0.5 * isolated.gap).min(100.0 * ZERO)
+            let is_zero = isolated.cluster <= self.zeros;
+            is_on_axis && isolated.radius + 2.0 * re < 0.5 * isolated.gap || is_zero && re + im < 0.5 * isolated.gap
         });
         Seen { distances, inside, outside, is_exact }
     }
@@ -351,3 +347,6 @@ fn unstable(parts: &[Part]) -> UnstableValues {
     };
     UnstableValues::default().or(&unstable)
 }
+
+#[cfg(test)]
+mod tests;

@@ -15,7 +15,7 @@ const TURNED: f64 = 0.25;
 /// Relative rounding of sums and products of matrices.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
-/// Parts of an eigenvalue by which two of a cluster differ at most.
+/// Parts of an eigenvalue by which two of a cluster differ at most, but for rounding.
 const CLUSTER: f64 = 1e-5;
 
 /// The most eigenvalues of a cluster.
@@ -234,7 +234,8 @@ impl Discs {
     /// Eigenvalues that are nearly one, whose rows are scaled together; none where they are not apart from the others.
     fn cluster(&self, of: usize, sums: &[f64]) -> Vec<(usize, Isolated)> {
         let value = |i: usize| self.centres[i][0];
-        let is_near = |i: &usize| magnitude(value(*i) - value(of)) <= CLUSTER * magnitude(value(of));
+        let within = |i: usize| CLUSTER * magnitude(value(of)) + self.rounding[i] + self.rounding[of];
+        let is_near = |i: &usize| magnitude(value(*i) - value(of)) <= within(*i);
         let (own, others): (Vec<usize>, Vec<usize>) = (0..self.own.len()).partition(is_near);
         if own.len() < 2 || own.len() > LARGEST_CLUSTER {
             return Vec::new();

@@ -36,8 +36,12 @@ pub(super) fn limit_states(eigenvalues: &[Eigenvalue], regions: &[Region]) -> Ve
     real.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
     for (near, far) in real.iter().zip(real.iter().rev()).take(real.len() / 2) {
         let size = (near * far).abs().sqrt();
-        // Of two that do not grow it is 1 at least; `max` also takes 1 for that of two zeros, which is not a number.
-        let damping = if *near > ZERO || *far > ZERO { -1.0 } else { (-0.5 * (near + far) / size).max(1.0) };
+        let damping = match size > 0.0 {
+            _ if *near > ZERO || *far > ZERO => -1.0,
+            // Of two that do not grow it is 1 at least, but for rounding.
+            true => (-0.5 * (near + far) / size).max(1.0),
+            false => 1.0,
+        };
         oscillators.push(Oscillator { size, damping, frequency: 0.0 });
     }
     oscillators.sort_by(|a, b| a.size.total_cmp(&b.size));

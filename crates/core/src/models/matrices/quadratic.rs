@@ -3,6 +3,7 @@
 use nalgebra::{Complex, DMatrix, DVector};
 use thiserror::Error;
 
+use super::region::magnitude;
 use super::rigid_body::{free, without_free};
 use crate::numerics::eigenvalues::{Eigenvalue, EigenvalueError, eigenvalues};
 
@@ -24,6 +25,8 @@ pub struct DenseQuadratic {
     unit: f64,
     /// What a coordinate moves in those of the given matrices, as columns.
     displacements: DMatrix<f64>,
+    /// How many eigenvalues are zero with any coefficients: of motions that no stiffness holds.
+    zeros: usize,
 }
 
 /// Why there is no such problem.
@@ -83,7 +86,8 @@ impl DenseQuadratic {
         for (mut row, scale) in displacements.row_iter_mut().zip(&scales) {
             row *= *scale;
         }
-        Ok(Self { terms, damping_terms: damping.len(), unit, displacements })
+        let zeros = zeros(&terms[damping.len()..], scales.len());
+        Ok(Self { terms, damping_terms: damping.len(), unit, displacements, zeros })
     }
 
     /// The problem without its rigid-body motions, which no stiffness and no damping holds, whatever the coefficients: each
@@ -93,7 +97,8 @@ impl DenseQuadratic {
         let (terms, motions) = without_free(self.terms);
         let motions = &self.displacements * motions;
         let motions = motions.column_iter().map(nalgebra::Matrix::into_owned).collect();
-        (Self { terms, ..self }, motions)
+        let zeros = zeros(&terms[self.damping_terms..], terms.first().map_or(0, DMatrix::nrows));
+        (Self { terms, zeros, ..self }, motions)
     }
 
     /// The number of coordinates.
@@ -160,14 +165,13 @@ impl DenseQuadratic {
             }
             sum
         };
-        Quadratic { damping: sum(0..self.damping_terms), stiffness: sum(self.damping_terms..self.terms.len()) }
+        let [damping, stiffness] = [0..self.damping_terms, self.damping_terms..self.terms.len()].map(sum);
+        Quadratic { damping, stiffness, zeros: self.zeros }
     }
 
     /// How many eigenvalues are zero with any coefficients: of motions that no stiffness holds.
     pub(super) fn zeros(&self) -> usize {
-        let stiffness = &self.terms[self.damping_terms..];
-        let transposed: Vec<DMatrix<f64>> = stiffness.iter().map(DMatrix::transpose).collect();
-        free(stiffness, self.size()).ncols().max(free(&transposed, self.size()).ncols())
+        self.zeros
     }
 
     /// Whether with any coefficients each eigenvalue has its mirror image at the imaginary axis: without damping, or with symmetric
@@ -192,6 +196,8 @@ pub struct Quadratic {
     pub damping: DMatrix<f64>,
     /// K.
     pub stiffness: DMatrix<f64>,
+    /// How many eigenvalues are known to be zero.
+    zeros: usize,
 }
 
 impl Quadratic {
@@ -207,12 +213,19 @@ impl Quadratic {
         })
     }
 
-    /// All eigenvalues, both of each conjugate pair.
+    /// All eigenvalues, both of each conjugate pair. Those that are known to be zero are so without rounding: as many of the
+    /// smallest.
     ///
     /// # Errors
     /// As [`eigenvalues`].
     pub fn eigenvalues(&self) -> Result<Vec<Eigenvalue>, EigenvalueError> {
-        eigenvalues(&self.companion())
+        let mut values = eigenvalues(&self.companion())?;
+        let mut rising: Vec<usize> = (0..values.len()).collect();
+        if self.zeros > 0 {
+            rising.sort_by(|a, b| magnitude(values[*a]).total_cmp(&magnitude(values[*b])));
+        }
+        rising.iter().take(self.zeros).for_each(|&place| values[place] = Eigenvalue::from(0.0));
+        Ok(values)
     }
 
     /// `lambda^2 + lambda C + K`.
@@ -250,6 +263,12 @@ impl Quadratic {
     }
 }
 
+/// How many eigenvalues are zero with any sum of these terms as K.
+fn zeros(stiffness: &[DMatrix<f64>], size: usize) -> usize {
+    let transposed: Vec<DMatrix<f64>> = stiffness.iter().map(DMatrix::transpose).collect();
+    free(stiffness, size).ncols().max(free(&transposed, size).ncols())
+}
+
 /// A real matrix times a complex vector.
 pub(super) fn product(matrix: &DMatrix<f64>, x: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
     let mut sum = DVector::zeros(matrix.nrows());
@@ -276,6 +295,15 @@ mod tests {
     use nalgebra::dmatrix;
 
     use super::*;
+
+    /// A soft mode that negative damping drives, beside a stiff one.
+    #[test]
+    fn a_soft_mode_beside_a_stiff_one_is_not_taken_for_zero() {
+        let [damping, stiffness] = [dmatrix![-0.1, 0.0; 0.0, 1.0], dmatrix![1.0, 0.0; 0.0, 1e12]];
+        let problem = DenseQuadratic::new(&DMatrix::identity(2, 2), &[damping], &[stiffness], &[1.0, 1.0]).unwrap();
+        let values = problem.at(&[1.0, 1.0]).eigenvalues().unwrap();
+        assert_eq!(values.iter().filter(|value| value.re > 0.0).count(), 2, "{values:?}");
+    }
 
     /// Two masses of different units: eigenvalues are those of the closed form.
     #[test]

@@ -6,9 +6,9 @@ use crate::numerics::eigenvalues::Eigenvalue;
 /// whose damping ratio is zero, makes none unstable.
 pub const RESOLUTION: f64 = 1e-9;
 
-/// Eigenvalues near the real axis that grow by no more than this do so by rounding alone, as the zero of a motion that only damping holds; in the unit of the
-/// eigenvalues.
-pub const ZERO: f64 = 1e-10;
+/// Eigenvalues near the real axis that grow by no more than this do so by rounding alone, in the unit of the problem. It is not more
+/// than rounding, as the load at which a soft mode diverges beside stiff ones would be missed by it.
+pub const ZERO: f64 = 1e-14;
 
 /// `|z|`.
 #[must_use]
@@ -110,10 +110,11 @@ impl Region {
 }
 
 /// The damping ratio of an eigenvalue less the threshold, the least over regions that have its frequency; infinite outside
-/// all.
+/// all, and for an eigenvalue of zero, which neither grows nor decays.
 #[must_use]
 pub fn excess(regions: &[Region], eigenvalue: Eigenvalue) -> f64 {
-    let bands = regions.iter().filter(|region| region.has_frequency_of(eigenvalue));
+    let is_zero = eigenvalue == Eigenvalue::from(0.0);
+    let bands = regions.iter().filter(|region| !is_zero && region.has_frequency_of(eigenvalue));
     bands.map(|region| damping_ratio(eigenvalue) - region.damping_ratio).fold(f64::INFINITY, f64::min)
 }
 

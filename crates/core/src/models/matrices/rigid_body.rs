@@ -5,6 +5,13 @@ use nalgebra::{DMatrix, DVector};
 /// A motion is free of a matrix if it makes no more force than this, in parts of the largest entry.
 const FREE: f64 = 1e-11;
 
+/// In each direction the forces of a free motion cancel to this part of their sizes, unless they are rounding: a soft direction beside
+/// stiff ones makes little force too, but nothing cancels there.
+const CANCELLED: f64 = 1e-10;
+
+/// Rounding of a force for each coordinate, in parts of the largest entry.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
+
 /// Terms in which no motion is free, nor nearly so, are told by a factorisation.
 const NEARLY_FREE: f64 = 1e-10;
 
@@ -32,7 +39,15 @@ pub(super) fn free(terms: &[DMatrix<f64>], size: usize) -> DMatrix<f64> {
     };
     let Some(vectors) = decomposed.v_t else { return DMatrix::zeros(size, 0) };
     let is_free = |index: &usize| decomposed.singular_values[*index] <= FREE;
-    let columns: Vec<DVector<f64>> = (0..size).filter(is_free).map(|index| vectors.row(index).transpose()).collect();
+    let cancels = |motion: &DVector<f64>| {
+        scaled.iter().all(|term| {
+            let sizes = term.abs() * motion.abs();
+            let rounding = ROUNDING * size as f64;
+            (term * motion).iter().zip(&sizes).all(|(force, size)| force.abs() <= CANCELLED * size + rounding)
+        })
+    };
+    let columns = (0..size).filter(is_free).map(|index| vectors.row(index).transpose());
+    let columns: Vec<DVector<f64>> = columns.filter(cancels).collect();
     if columns.is_empty() { DMatrix::zeros(size, 0) } else { DMatrix::from_columns(&columns) }
 }
 
@@ -130,6 +145,18 @@ mod tests {
         for other in [dmatrix![1e-6, 0.0; 0.0, 0.0], dmatrix![0.0, 1.0; 0.0, 0.0]] {
             let (terms, motions) = without_free(vec![grounded.clone(), other]);
             assert_eq!((terms[0].shape(), motions.ncols()), ((2, 2), 0));
+        }
+    }
+
+    #[test]
+    fn a_soft_direction_beside_stiff_ones_is_not_free() {
+        for stiff in [1e11, 1e12, 1e14] {
+            let (terms, motions) = without_free(vec![dmatrix![1.0, 0.0, 0.0; 0.0, 0.0, 0.0; 0.0, 0.0, stiff]]);
+            assert_eq!((terms[0].shape(), motions.ncols()), ((2, 2), 1), "{stiff}");
+            assert_eq!(motions[(1, 0)].abs(), 1.0);
+            // Two masses on a soft spring, one of them held by a stiff one to a third, and nothing else.
+            let chain = dmatrix![1.0, -1.0, 0.0; -1.0, 1.0 + stiff, -stiff; 0.0, -stiff, stiff];
+            assert_eq!(without_free(vec![chain]).1.ncols(), 1, "{stiff}");
         }
     }
 

@@ -1,0 +1,112 @@
+use nalgebra::{DMatrix, dmatrix};
+
+use super::*;
+use crate::model::critical_values::{NoMemory, evenly};
+use crate::models::matrices::branches::Line;
+use crate::models::matrices::decide::Decider;
+use crate::models::matrices::sweep::Steps;
+use crate::models::matrices::trial::Numbers;
+use crate::numerics::eigenvalues::Eigenvalue;
+
+const STEPS: Steps = Steps { joined: 3, halvings: 44, most: 1000 };
+
+const ALL: Region = Region { lowest: 0.0, highest: f64::INFINITY, damping_ratio: 0.0 };
+
+fn unstable(problem: &DenseQuadratic, path: &dyn Path, within: [f64; 2]) -> UnstableValues {
+    let intervals: &mut dyn Intervals = &mut Covering::new(problem, path, &ALL);
+    intervals.unstable_values(&evenly(within, 9), STEPS, &NoMemory).unwrap()
+}
+
+/// `q_1'' + 5 q_1' + (1 - p) q_1 = 0` diverges from p = 1 on, however stiff the other mode is.
+#[test]
+fn a_soft_mode_diverges_where_its_stiffness_ends_however_stiff_others_are() {
+    for stiff in [1.0, 1e4, 1e8, 1e12] {
+        let stiffness = [dmatrix![1.0, 0.0; 0.0, stiff], dmatrix![-1.0, 0.0; 0.0, 0.0]];
+        let damping = [dmatrix![5.0, 0.0; 0.0, 1.0]];
+        let problem = DenseQuadratic::new(&DMatrix::identity(2, 2), &damping, &stiffness, &[1.0; 3]).unwrap();
+        let path = Line { from: vec![1.0, 1.0, 0.0], direction: vec![0.0, 0.0, 1.0] };
+        let found = unstable(&problem, &path, [0.3, 1.5]);
+        let ([surely], [possibly]) = (&found.surely[..], &found.possibly[..]) else { panic!("{stiff}: {found:?}") };
+        for ends in [surely, possibly] {
+            assert!((ends[0] - 1.0).abs() < 3e-7 && ends[1] == 1.5, "{stiff}: {found:?}");
+        }
+        let decider = Decider::new(&problem, &[ALL], None);
+        for (p, expected) in [(1.0 - 3e-7, false), (1.0 + 3e-7, true)] {
+            let found = decider.is_unstable(&path.coefficients(p)).map(|(is_unstable, _)| is_unstable);
+            assert_eq!(found, Some(expected), "{stiff} {p}");
+        }
+    }
+}
+
+/// Masses that dampers alone hold in one direction: its eigenvalue is zero, not what rounding makes of it.
+#[test]
+fn a_motion_that_dampers_alone_hold_is_never_unstable() {
+    let mut critical = 0;
+    for seed in 0..60 {
+        let mut numbers = Numbers(seed);
+        let size = 2 + seed as usize % 5;
+        let mut random = || DMatrix::from_fn(size, size, |_, _| numbers.normal());
+        let definite = |root: &DMatrix<f64>| root * root.transpose() + DMatrix::identity(size, size) * 0.1;
+        let [mass, damping, stiffness] = [random(), random(), random()].map(|root| definite(&root));
+        let [friction, direction] = [random(), random()];
+        let direction = direction.column(0).normalize();
+        let across = DMatrix::identity(size, size) - &direction * direction.transpose();
+        let stiffness = [&across * stiffness * &across, &across * friction * &across];
+        let damping = [damping * libm::pow(10.0, seed as f64 / 15.0 - 1.0)];
+        let problem = DenseQuadratic::new(&mass, &damping, &stiffness, &[1.0; 3]).unwrap();
+        let (problem, motions) = problem.without_rigid_body_motions();
+        assert_eq!((motions.len(), problem.zeros()), (0, 1), "{seed}");
+        let path = Line { from: vec![1.0, 1.0, 0.0], direction: vec![0.0, 0.0, 1.0] };
+        let found = unstable(&problem, &path, [0.0, 3.0]);
+        critical += usize::from(!found.surely.is_empty());
+        for step in 0..=60 {
+            let p = 0.05 * f64::from(step);
+            let values = problem.at(&path.coefficients(p)).eigenvalues().unwrap();
+            assert_eq!(values.iter().filter(|value| **value == Eigenvalue::from(0.0)).count(), 1, "{seed} {p}");
+            let contains = |set: &[[f64; 2]]| set.iter().any(|[from, to]| (*from..=*to).contains(&p));
+            let expected = values.iter().any(|value| ALL.contains(*value));
+            let is_right = [&found.surely, &found.possibly].into_iter().all(|set| contains(set) == expected);
+            assert!(is_right, "{seed} at {p}: {values:?} {found:?}");
+        }
+    }
+    assert!(critical > 10, "{critical}");
+}
+
+/// `x'' + c x' + x = 0` with `c = (p - at)^2 - 2 depth`.
+struct Grazing {
+    at: f64,
+    depth: f64,
+}
+
+impl Path for Grazing {
+    fn series(&self, p: f64, _: f64) -> Vec<[f64; 4]> {
+        let by = p - self.at;
+        vec![[by * by - 2.0 * self.depth, 2.0 * by, 1.0, 0.0], [1.0, 0.0, 0.0, 0.0]]
+    }
+}
+
+/// A damping ratio that falls below the threshold by a few times what separates samples from it.
+#[test]
+fn a_shallow_window_has_its_own_width() {
+    let problem = DenseQuadratic::new(
+        &DMatrix::identity(1, 1),
+        &[DMatrix::identity(1, 1)],
+        &[DMatrix::identity(1, 1)],
+        &[1.0, 1.0],
+    )
+    .unwrap();
+    for depth in [3e-10, 2e-9, 4e-9, 1e-8, 2e-8, 1e-6] {
+        let found = unstable(&problem, &Grazing { at: 0.4, depth }, [0.0, 1.0]);
+        let ([surely], [possibly]) = (&found.surely[..], &found.possibly[..]) else { panic!("{depth}: {found:?}") };
+        let half = (2.0 * depth).sqrt();
+        for (end, expected) in [surely, possibly].into_iter().flat_map(|ends| ends.iter().zip([0.4 - half, 0.4 + half]))
+        {
+            assert!((end - expected).abs() < 1e-9, "{depth}: {found:?}");
+        }
+    }
+    for depth in [-1e-8, -1e-12] {
+        let found = unstable(&problem, &Grazing { at: 0.4, depth }, [0.0, 1.0]);
+        let width: f64 = found.possibly.iter().map(|[from, to]| to - from).sum();
+        assert!(found.surely.is_empty() && width < 1e-6, "{depth}: {found:?}");
+    }
+}
