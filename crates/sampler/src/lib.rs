@@ -25,7 +25,7 @@
 //! | module | contents |
 //! |---|---|
 //! | [`grid`] | axes and cells |
-//! | [`special_functions`] | the normal and the beta distribution |
+//! | [`special_functions`] | the normal, the chi-squared and the beta distribution |
 //! | [`inputs`] | marginal distributions and correlation of random inputs |
 //! | [`draw`] | the identity of a sample, its deviates, Sobol points |
 //! | [`verdict_map`] | the verdict as a function of two inputs |

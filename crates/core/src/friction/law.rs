@@ -105,6 +105,11 @@ impl FrictionLaw {
         Self { additional, ..self }
     }
 
+    /// The same with another static coefficient f_s, such as that of a sample.
+    pub(crate) fn with_static(self, static_coefficient: f64) -> Self {
+        Self { static_coefficient, ..self }
+    }
+
     /// The law of a force: all coefficients multiplied.
     pub(crate) fn times(self, factor: f64) -> Self {
         Self {
@@ -501,7 +506,7 @@ mod tests {
             let law = shifted_down(&[0.4, 0.1, 0.3, 0.15], shift);
             let least = law.least_static_coefficient(speed);
             let at = |static_coefficient: f64| {
-                let law = FrictionLaw { static_coefficient, ..law };
+                let law = law.with_static(static_coefficient);
                 law.at_rest().min(law.coefficient(speed))
             };
             assert!(at(least).abs() < 1e-15 && at(least + 1e-6) > 0.0 && at(least - 1e-6) < 0.0, "{shift} {speed}");

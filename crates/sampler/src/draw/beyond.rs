@@ -20,10 +20,10 @@
 //! deviations out, which one of some million points would meet, gets its share of the points beyond, and each of them counts
 //! some 1e-5.
 
-use std::f64::consts::{FRAC_2_SQRT_PI, LN_10};
+use std::f64::consts::LN_10;
 use std::ops::Range;
 
-use crate::special_functions::normal;
+use crate::special_functions::chi_squared;
 
 /// One point lies beyond for so many others.
 pub const EACH: u64 = 4;
@@ -53,7 +53,7 @@ pub fn beside(points: Range<u64>, randomisation: u64) -> Range<u64> {
 /// What a point of the normal distribution counts.
 #[must_use]
 pub fn weight(point: &[f64]) -> f64 {
-    let farther = farther(square(point), point.len());
+    let farther = chi_squared::upper_tail(square(point), point.len());
     if (TO..FROM).contains(&farther) { weight_at(farther) } else { 1.0 }
 }
 
@@ -62,7 +62,7 @@ pub fn weight(point: &[f64]) -> f64 {
 /// The farther out of all points that it was, the nearer it comes to the others.
 pub fn move_out(point: &mut [f64]) -> f64 {
     let square = square(point);
-    let wanted = FROM * libm::exp(-DECADES * LN_10 * farther(square, point.len()));
+    let wanted = FROM * libm::exp(-DECADES * LN_10 * chi_squared::upper_tail(square, point.len()));
     let distance = distance(wanted, point.len());
     // The origin has no direction: any will do.
     let (factor, shift) = if square > 0.0 { (distance / square.sqrt(), 0.0) } else { (0.0, 1.0) };
@@ -83,30 +83,12 @@ fn square(point: &[f64]) -> f64 {
     point.iter().map(|u| u * u).sum()
 }
 
-/// The probability that so many standard normal deviates have a larger sum of squares: `Q(n/2, x/2)`, by the recursion over
-/// `n`, in which all terms are positive (Abramowitz and Stegun, 26.4.8).
-fn farther(square: f64, deviates: usize) -> f64 {
-    let half = 0.5 * square;
-    let density = libm::exp(-half);
-    let (mut sum, mut term, mut added) = if deviates.is_multiple_of(2) {
-        (density, density * half, 2)
-    } else {
-        (2.0 * normal::upper_tail(square.sqrt()), density * half.sqrt() * FRAC_2_SQRT_PI, 1)
-    };
-    while added < deviates {
-        sum += term;
-        term *= half / (0.5 * added as f64 + 1.0);
-        added += 2;
-    }
-    sum
-}
-
 /// The distance from the origin beyond which so many deviates lie with a probability.
 fn distance(wanted: f64, deviates: usize) -> f64 {
     let (mut near, mut far) = (0.0, (deviates as f64).sqrt() + FARTHEST);
     for _ in 0..HALVINGS {
         let middle: f64 = 0.5 * (near + far);
-        if farther(middle * middle, deviates) > wanted {
+        if chi_squared::upper_tail(middle * middle, deviates) > wanted {
             near = middle;
         } else {
             far = middle;
@@ -119,23 +101,21 @@ fn distance(wanted: f64, deviates: usize) -> f64 {
 mod tests {
     use super::*;
     use crate::draw::deviates::{DeviateStream, Points};
+    use crate::special_functions::normal;
 
     #[test]
-    fn tails_are_those_of_the_chi_squared_distribution() {
+    fn points_beyond_a_distance_have_its_probability() {
         // SciPy 1.17: chi2.sf.
-        for (square, deviates, expected) in [
-            (4.0, 1, 0.045_500_263_896_358_38),
+        for (square, deviates, wanted) in [
+            (4.0_f64, 1, 0.045_500_263_896_358_38),
             (4.0, 2, 0.135_335_283_236_612_7),
             (4.0, 3, 0.261_464_129_949_110_6),
             (30.0, 4, 4.894_437_128_029_217e-6),
             (60.0, 9, 1.340_678_048_395_962_5e-9),
             (100.0, 31, 3.464_370_244_941_618_7e-9),
         ] {
-            let found = farther(square, deviates);
-            assert!((found / expected - 1.0).abs() < 1e-12, "{square} {deviates}: {found:e}");
-            assert!((distance(expected, deviates) / square.sqrt() - 1.0).abs() < 1e-12, "{square} {deviates}");
+            assert!((distance(wanted, deviates) / square.sqrt() - 1.0).abs() < 1e-12, "{square} {deviates}");
         }
-        assert!([1, 2, 5].iter().all(|deviates| (farther(0.0, *deviates) - 1.0).abs() < 1e-15));
     }
 
     #[test]
@@ -147,7 +127,7 @@ mod tests {
             for point in stream(dimensions).draw(0, RANDOMISATIONS, 0..1024).chunks_exact(dimensions) {
                 let mut moved = point.to_vec();
                 let counts = move_out(&mut moved);
-                let beyond = farther(square(&moved), dimensions);
+                let beyond = chi_squared::upper_tail(square(&moved), dimensions);
                 assert!((0.99e-15..1.01e-3).contains(&beyond) && (0.0..=1.0).contains(&counts), "{beyond:e} {counts}");
                 let is_at_an_end = !(1.01e-15..=0.99e-3).contains(&beyond);
                 assert!(is_at_an_end || (counts / weight(&moved) - 1.0).abs() < 1e-9);

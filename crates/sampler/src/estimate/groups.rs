@@ -41,10 +41,9 @@ fn variance(shares: &[f64], groups: usize) -> (f64, f64) {
     let all = shares.len() as f64;
     let mean = shares.iter().sum::<f64>() / all;
     let (mut within, mut squares, mut between, mut least) = (0.0, 0.0, 0.0, all);
-    for group in 0..groups {
+    for (group, of_group) in means(shares, groups).into_iter().enumerate() {
         let own = || shares.iter().skip(group).step_by(groups);
         let count = own().count() as f64;
-        let of_group = own().sum::<f64>() / count;
         let scatter: f64 = own().map(|share| (share - of_group) * (share - of_group)).sum();
         let component = count * (scatter / (count - 1.0)) / (all * all);
         within += component;

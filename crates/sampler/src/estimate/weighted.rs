@@ -295,7 +295,6 @@ fn estimate_of_samples(parts: &[WeightedPart], groups: usize, confidence: f64) -
     let contributing = sum(&|part| part.contributing);
     let is_complete = parts.len() >= 2 && parts.iter().all(|part| part.samples > 0.0);
     let shares: Vec<f64> = parts.iter().map(|part| part.contributions / part.samples).collect();
-    let between = if is_complete { significance(&shares, groups) } else { 1.0 };
     let evaluations = sum(&|part| part.evaluations);
     if total <= 0.0 && contributing >= LEAST_EFFECTIVE && without <= 0.0 && is_complete {
         let estimate = Estimate { probability: Some(0.0), low: 0.0, high: NEXT_TO_NOTHING };
@@ -309,7 +308,7 @@ fn estimate_of_samples(parts: &[WeightedPart], groups: usize, confidence: f64) -
     {
         Some(Distrust::FewSamples)
     } else {
-        (between < DISAGREEMENT).then_some(Distrust::Disagreement)
+        (significance(&shares, groups) < DISAGREEMENT).then_some(Distrust::Disagreement)
     };
     if distrust.is_some() {
         let [count, unstable] = [0, 1].map(|i| sum(&|part| part.of_inputs[i]));

@@ -4,4 +4,6 @@ pub(crate) mod gauss_legendre;
 
 pub mod normal;
 
+pub(crate) mod chi_squared;
+
 pub mod beta;

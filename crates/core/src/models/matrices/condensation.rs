@@ -99,7 +99,9 @@ pub fn condensed(matrices: &Matrices) -> Result<Option<Condensed>, CondensationE
             false
         });
     }
-    let expected = matrices.coefficients(&matrices.expected());
+    let stiffness_from = matrices.damping.len();
+    let coefficients = matrices.coefficients(&matrices.expected());
+    let all_stiffness: Vec<(usize, f64)> = coefficients.into_iter().enumerate().skip(stiffness_from).collect();
     let mut following = Vec::new();
     for (group, acting) in groups.iter().zip(acting) {
         let members: Vec<usize> = group.iter().map(|place| place + basis.kept).collect();
@@ -108,9 +110,7 @@ pub fn condensed(matrices: &Matrices) -> Result<Option<Condensed>, CondensationE
             return Err(CondensationError::TooMany { place, count: members.len() });
         }
         let forces = Forces::new(&members, &acting, basis.kept);
-        let stiffness_from = matrices.damping.len();
-        let all = forces.all(&terms, stiffness_from, &expected);
-        let Some([x, y]) = all.as_ref().and_then(Blocks::followed) else {
+        let Some([x, y]) = forces.sum(&all_stiffness).followed() else {
             return Err(CondensationError::NotHeld { place });
         };
         let alike = alike(&terms, stiffness_from, forces.terms());
@@ -354,17 +354,14 @@ impl<'a> Forces<'a> {
         }
         blocks
     }
-
-    /// The whole stiffness of the expected values, if there is any.
-    fn all(&self, terms: &[&Term], stiffness_from: usize, expected: &[f64]) -> Option<Blocks> {
-        let of = (stiffness_from..terms.len()).map(|term| (term, expected[term])).collect::<Vec<_>>();
-        Some(self.sum(&of)).filter(|blocks| blocks.own.iter().all(|value| value.is_finite()))
-    }
 }
 
 impl Blocks {
-    /// X and Y, if the symmetric part of what acts on itself is positive definite.
+    /// X and Y, if the symmetric part of what acts on itself is finite and positive definite.
     fn followed(&self) -> Option<[DMatrix<f64>; 2]> {
+        if !self.own.iter().all(|value| value.is_finite()) {
+            return None;
+        }
         let symmetric = (&self.own + self.own.transpose()) * 0.5;
         if !is_definite(&by_its_diagonal(&symmetric)?.0, HELD) {
             return None;
@@ -382,11 +379,11 @@ impl Blocks {
     }
 }
 
-/// Terms of one kind whose factors differ by a number alone, each with that number over that of the first.
+/// Terms of one kind whose factors differ by a number alone, each with that number over that of the first. Those with the
+/// factor 0 are left out.
 fn alike(terms: &[&Term], stiffness_from: usize, of: Vec<usize>) -> Vec<Vec<(usize, f64)>> {
     let mut groups: Vec<Vec<(usize, f64)>> = Vec::new();
-    for term in of {
-        let is_zero = terms[term].factor == Factor::number(0.0);
+    for term in of.into_iter().filter(|term| terms[*term].factor != Factor::number(0.0)) {
         let ratio = |first: usize| {
             let is_alike = (first < stiffness_from) == (term < stiffness_from);
             terms[term].factor.over(&terms[first].factor).filter(|_| is_alike)
@@ -394,7 +391,6 @@ fn alike(terms: &[&Term], stiffness_from: usize, of: Vec<usize>) -> Vec<Vec<(usi
         let found = groups.iter_mut().find_map(|group| ratio(group[0].0).map(|ratio| (group, ratio)));
         match found {
             Some((group, ratio)) => group.push((term, ratio)),
-            None if is_zero => {}
             None => groups.push(vec![(term, 1.0)]),
         }
     }

@@ -128,8 +128,7 @@ impl TimeDomain {
 
 /// The sliding speeds about steady sliding between which a sample has friction; nothing if it has some at every speed.
 fn positive_speeds(law: &FrictionLaw, inputs: RandomInputs, disc_speed: f64) -> Option<[f64; 2]> {
-    let law = FrictionLaw { static_coefficient: inputs.static_friction, ..*law };
-    let positive = law.positive_about(disc_speed);
+    let positive = law.with_static(inputs.static_friction).positive_about(disc_speed);
     positive.iter().any(|speed| speed.is_finite()).then_some(positive)
 }
 

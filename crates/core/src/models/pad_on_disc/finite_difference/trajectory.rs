@@ -1,6 +1,5 @@
 //! The recorded motion of pad and disc on the grid, with its verdict.
 
-use crate::friction::law::FrictionLaw;
 use crate::model::verdict::Verdict;
 use crate::models::pad_on_disc::criterion::flexible_monitor::{FlexibleMonitor, MonitorOptions};
 use crate::models::pad_on_disc::criterion::monitor::{Monitor, is_check_due};
@@ -116,8 +115,7 @@ impl FiniteDifferenceBrake {
         }
         let at_end = if broken { Verdict::Failed } else { Verdict::Undecided };
         let settled = SettledMotion::summarise(&monitored.log, &moments, intervals, interval);
-        let law =
-            FrictionLaw { static_coefficient: inputs.static_friction, ..*self.modal.brake.brake().friction_law() };
+        let law = self.modal.brake.brake().friction_law().with_static(inputs.static_friction);
         let mut speeds = moments.iter().map(|moment| moment.sliding_speed);
         let lacks_friction = !law.without_friction().is_empty()
             && (law.at_rest() <= 0.0 || speeds.any(|speed| law.coefficient(speed) <= 0.0));

@@ -13,7 +13,6 @@
 
 use std::sync::Arc;
 
-use crate::friction::law::FrictionLaw;
 use crate::models::pad_on_disc::flexible_disc::contact::loads::ContactLoads;
 use crate::models::pad_on_disc::flexible_disc::contact::patch::LENGTH_UNIT;
 use crate::models::pad_on_disc::flexible_disc::contact::position::PadPosition;
@@ -99,7 +98,7 @@ pub(crate) struct FlexibleEquations {
 
 /// How steeply friction falls with the sliding speed in steady sliding.
 pub(crate) fn friction_slope(brake: &PadOnDisc, pad: &PadEquations, static_friction: f64) -> f64 {
-    FrictionLaw { static_coefficient: static_friction, ..*brake.friction_law() }.fall(pad.disc_speed)
+    brake.friction_law().with_static(static_friction).fall(pad.disc_speed)
 }
 
 impl FlexibleEquations {

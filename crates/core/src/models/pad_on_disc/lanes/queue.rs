@@ -1,6 +1,5 @@
 //! Where samples come from, and where their decisions go.
 
-use crate::friction::law::FrictionLaw;
 use crate::model::decision::Decision;
 use crate::models::pad_on_disc::criterion::time_domain::TimeDomain;
 use crate::models::pad_on_disc::motion::start::Start;
@@ -37,7 +36,7 @@ impl<'q> QueuedSample<'q> {
     /// Whether its motion meets a sliding speed at which there is no friction, see [`TimeDomain::meets_no_friction`].
     pub(crate) fn meets_no_friction(&self) -> bool {
         let Some(brake) = &self.brake else { return self.criterion.meets_no_friction_from(self.inputs, self.start) };
-        let law = FrictionLaw { static_coefficient: self.inputs.static_friction, ..*brake.friction_law() };
+        let law = brake.friction_law().with_static(self.inputs.static_friction);
         let own = || self.criterion.with_brake(brake).ok();
         // Most have friction at every speed, and need nothing prepared.
         !law.without_friction().is_empty()

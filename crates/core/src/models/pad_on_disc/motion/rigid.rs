@@ -131,7 +131,7 @@ impl RigidBrake {
 
     pub fn sample(&self, inputs: RandomInputs) -> RigidSample {
         let gain = self.gain_per_preload * inputs.preload;
-        let law = FrictionLaw { static_coefficient: inputs.static_friction, ..self.law };
+        let law = self.law.with_static(inputs.static_friction);
         let friction = SlidingFriction {
             shape: law.shape,
             disc_speed: self.disc_speed,

@@ -375,7 +375,7 @@ impl PadOnDisc {
     pub(crate) fn sliding_equilibrium_at(&self, inputs: RandomInputs) -> SlidingEquilibrium {
         let Parameters { stiffness, pad, .. } = &self.parameters;
         let normal_force = self.normal_force_per_preload() * inputs.preload;
-        let law = FrictionLaw { static_coefficient: inputs.static_friction, ..self.friction };
+        let law = self.friction.with_static(inputs.static_friction);
         let friction_coefficient = law.coefficient(self.disc_speed());
         let friction_force = friction_coefficient * normal_force;
         let tangential = self.friction_transmission() * friction_force / self.tangential_stiffness();
