@@ -51,9 +51,8 @@ impl Cost {
         Self { text, time: Err(why), set_up: 0.0, of_a_sample: None }
     }
 
-    /// Of a job whose lines end with the time of the whole, which is said by `line`.
-    fn known(time: Time, set_up: f64, of_a_sample: Option<[f64; 2]>, line: impl FnOnce(&str) -> String) -> Self {
-        let mut text = line(&time.prediction().to_string());
+    /// Of a job whose stages `text` describes.
+    fn known(mut text: String, time: Time, set_up: f64, of_a_sample: Option<[f64; 2]>) -> Self {
         if set_up >= TOLD_SECONDS && set_up >= TOLD_SHARE * time.seconds {
             text += &format!(
                 "# {} of that once: the job is read, and what its samples share is set up\n",
@@ -101,8 +100,8 @@ impl Stage<'_> {
         };
         let set_up = self.preparation + trial.cost.set_ups(evaluator.set_ups(), self.threads);
         let time = Time::known(set_up) + self.time_of(&trial) + beside;
-        let of_a_sample = Some([trial.cost.unit, trial.cost.error]);
-        Ok(Cost::known(time, set_up, of_a_sample, |time| format!("# {}\n", self.line(&trial, time))))
+        let text = format!("# {}\n", self.line(&trial, time));
+        Ok(Cost::known(text, time, set_up, Some([trial.cost.unit, trial.cost.error])))
     }
 
     /// The cost of integrals without verdict maps, with the plain samples beside them.
@@ -117,8 +116,8 @@ impl Stage<'_> {
         };
         let set_up = self.preparation + set_ups;
         let time = Time::known(set_up) + trial.cost.units(trial.integrals as f64, 1.0, self.threads) + beside;
-        let line = |time: &str| format!("# {}, {time} on {}\n", no_samples(self.job), self.on());
-        Ok(Cost::known(time, set_up, None, line))
+        let text = format!("# {}, {} on {}\n", no_samples(self.job), time.prediction(), self.on());
+        Ok(Cost::known(text, time, set_up, None))
     }
 
     /// The cost of verdict maps, estimated from some of their tiles, and whether the samples cost less.
@@ -148,7 +147,8 @@ impl Stage<'_> {
             };
             let set_up = self.preparation + set_ups;
             let time = Time::known(set_up) + map_time + audit;
-            return Ok(Cost::known(time, set_up, None, |_| format!("# no samples; {map}\n# {}\n", audit_line(audit))));
+            let text = format!("# no samples; {map}\n# {}\n", audit_line(audit));
+            return Ok(Cost::known(text, time, set_up, None));
         }
         let trial = match self.engine.try_samples(&Evaluator::new(job)?, self.begun)? {
             Ok(trial) => trial,
@@ -157,7 +157,7 @@ impl Stage<'_> {
         let audit = trial.cost.units(job.audited_samples() as f64, trial.serial as f64, threads);
         let set_up = self.preparation + trial.cost.set_ups(evaluator.set_ups(), threads);
         let each_time = self.time_of(&trial);
-        let each = self.line(&trial, &each_time.prediction().to_string());
+        let each = self.line(&trial, each_time);
         // Simulations of a map lie near boundaries and may be slower than those of samples.
         let hint = if each_time.seconds < map_time.seconds + audit.seconds {
             "# evaluate = \"each\" takes less time for this job\n"
@@ -166,7 +166,7 @@ impl Stage<'_> {
         };
         let time = Time::known(set_up) + map_time + audit;
         let text = format!("# {map}\n# {}\n# if each is simulated: {each}\n{hint}", audit_line(audit));
-        Ok(Cost::known(time, set_up, Some([trial.cost.unit, trial.cost.error]), |_| text))
+        Ok(Cost::known(text, time, set_up, Some([trial.cost.unit, trial.cost.error])))
     }
 
     /// How long the samples take that check the probabilities, and seconds in which they are set up.
@@ -192,10 +192,10 @@ impl Stage<'_> {
     }
 
     /// What is said of samples that take this time.
-    fn line(&self, trial: &SampleTrial, time: &str) -> String {
+    fn line(&self, trial: &SampleTrial, time: Time) -> String {
         let total = counted(self.job.total_samples(), "sample", "samples");
         let rate = rate(1.0 / trial.cost.unit.max(1e-12));
-        let measured = format!("{time} on {} ({rate} samples/s on one, measured now)", self.on());
+        let measured = format!("{} on {} ({rate} samples/s on one, measured now)", time.prediction(), self.on());
         match trial.until_stop {
             Some(stop) => {
                 let expected = HumanCount((stop.samples * self.job.cells() as f64) as u64);

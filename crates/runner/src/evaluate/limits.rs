@@ -14,7 +14,7 @@ use stickslip_sampler::limits::sweep::{SortedSweep, Sweep};
 
 use crate::evaluate::evaluator::Evaluator;
 use crate::evaluate::integral::exact_probability;
-use crate::evaluate::limits_found::{Beside, CombinationLimits, Ended, Intervals};
+use crate::evaluate::limits_found::{Beside, CombinationLimits, Ended, Intervals, each_once};
 use crate::evaluate::randomised;
 use crate::evaluate::remembered_intervals::RememberedIntervals;
 use crate::evaluate::remembering::{Asked, Keeper};
@@ -179,6 +179,7 @@ impl<'a> LimitSearch<'a> {
         values.extend(further);
         values.sort_by(f64::total_cmp);
         values.dedup();
+        let estimate = each_once(estimate);
         let usual = |value: f64| estimate(value).map(|found| found.estimate);
         let scan = Scan::new(&values, tolerance, usual)?;
         let limits = |&target: &f64| scan.limits(target, usual);

@@ -1,5 +1,8 @@
 //! What a search for limits finds in one combination of the other axes, with plain samples beside it.
 
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+
 use stickslip_core::model::{IsStopped, ModelError};
 use stickslip_sampler::estimate::audit::{COMPARED, PlainSamples};
 use stickslip_sampler::estimate::interval::Estimate;
@@ -54,6 +57,21 @@ impl From<Estimate> for Intervals {
     }
 }
 
+/// The same estimates, each of which is made once: several targets ask at the same values, and both ends of the axis are
+/// asked for again beside the limits.
+pub fn each_once(estimate: impl Fn(f64) -> Result<Intervals, Ended>) -> impl Fn(f64) -> Result<Intervals, Ended> {
+    let known: RefCell<BTreeMap<u64, Intervals>> = RefCell::default();
+    move |value: f64| {
+        let seen = known.borrow().get(&value.to_bits()).copied();
+        if let Some(found) = seen {
+            return Ok(found);
+        }
+        let found = estimate(value)?;
+        known.borrow_mut().insert(value.to_bits(), found);
+        Ok(found)
+    }
+}
+
 /// The probability at a value of the axis, and the plain samples there.
 #[derive(Debug, Clone, Copy)]
 pub struct Beside {
@@ -89,7 +107,7 @@ impl Beside {
 }
 
 impl CombinationLimits {
-    /// From a scan and the limits at each target. `estimate` is that of the scan.
+    /// From a scan and the limits at each target. `estimate` is that of the scan, which knows what it found.
     ///
     /// # Errors
     /// See [`Ended`].
@@ -163,6 +181,29 @@ mod tests {
     use super::*;
     use crate::evaluate::remembering::tests::InMemory;
     use crate::job::JobSource;
+
+    #[test]
+    fn no_value_is_estimated_twice() {
+        let asked = RefCell::new(Vec::new());
+        let estimate = each_once(|value: f64| {
+            asked.borrow_mut().push(value);
+            Ok(Intervals::from(Estimate { probability: Some(value), low: value, high: value }))
+        });
+        let usual = |value: f64| estimate(value).map(|found| found.estimate);
+        let scan = Scan::new(&[0.0, 0.25, 0.5, 0.75, 1.0], 1e-9, usual).unwrap();
+        let of_targets = [0.3, 0.6, 0.3].map(|target| scan.limits(target, usual).unwrap());
+        let found = CombinationLimits::new(&scan, of_targets.into(), &estimate).unwrap();
+        assert_eq!(found.ends.map(|end| (end.value, end.estimate.probability)), [(0.0, Some(0.0)), (1.0, Some(1.0))]);
+        for (target, limits) in [0.3, 0.6, 0.3].into_iter().zip(&found.of_targets) {
+            let [(_, Some(beside))] = limits[..] else { panic!("{limits:?}") };
+            assert!((beside.value - target).abs() < 1e-8, "{target}: {beside:?}");
+        }
+        let mut values = asked.take();
+        let all = values.len();
+        values.sort_by(f64::total_cmp);
+        values.dedup();
+        assert_eq!(values.len(), all, "a value was estimated twice");
+    }
 
     /// A third of the pads is unstable in the middle, none at the first preload and nearly all at the last.
     const JOB: &str = "name = \"j\"\n[axes]\nrotating_speed = 15\npreload = [0.005, 0.3]\nstatic_friction = 0.39\n\

@@ -4,13 +4,14 @@
 //! the samples are then placed once. The probability is a smooth function of the value there, so that its interval
 //! bounds the limit.
 
+use stickslip_sampler::estimate::audit::COMPARED;
 use stickslip_sampler::estimate::interval::Estimate;
-use stickslip_sampler::estimate::weighted::Distrust;
+use stickslip_sampler::estimate::weighted::{Distrust, WeightedEstimate};
 use stickslip_sampler::limits::Limit;
 use stickslip_sampler::limits::scan::Scan;
 
 use crate::evaluate::evaluator::Evaluator;
-use crate::evaluate::limits_found::{CombinationLimits, Ended, Intervals};
+use crate::evaluate::limits_found::{CombinationLimits, Ended, Intervals, each_once};
 use crate::evaluate::randomised;
 use crate::evaluate::remembering::Asked;
 use crate::failure::Failure;
@@ -56,7 +57,7 @@ impl WeightedSearch<'_, '_> {
         targets: &[f64],
         is_stopped: IsStopped<'_>,
     ) -> Result<CombinationLimits, Ended> {
-        let found = |value: f64| self.estimate(value, None, targets, is_stopped);
+        let found = each_once(|value| self.estimate(value, None, targets, is_stopped));
         let estimate = |value: f64| found(value).map(|found| found.estimate);
         let scan = Scan::new(values, TOLERANCES[0], estimate)?;
         if scan.is_unknown() {
@@ -135,7 +136,9 @@ impl WeightedSearch<'_, '_> {
         is_stopped: IsStopped<'_>,
     ) -> Result<Intervals, Ended> {
         let parts = evaluator.count_cell(self.cell, asked, is_stopped).ok_or(Ended::Stopped)?;
-        let found = randomised::of_weights(job, &parts, self.confidence).ok_or_else(|| self.distrusted(value))?;
+        let of_weights =
+            |confidence: f64| randomised::of_weights(job, &parts, confidence).ok_or_else(|| self.distrusted(value));
+        let found = of_weights(self.confidence)?;
         let probability = match found.distrust {
             None => found.estimate.probability,
             // Nothing stable: the probability is 1 as far as a limit is concerned. Without one it counts as 0.
@@ -144,11 +147,8 @@ impl WeightedSearch<'_, '_> {
             Some(_) if targets.iter().all(|target| found.mean < FAR_BELOW * target) => Some(found.mean),
             Some(_) => return Err(self.distrusted(value)),
         };
-        let interval = |confidence: f64| {
-            let found = randomised::of_weights(job, &parts, confidence).unwrap_or(found);
-            Estimate { probability, ..found.estimate }
-        };
-        Ok(Intervals::new(self.confidence, interval))
+        let interval = |found: WeightedEstimate| Estimate { probability, ..found.estimate };
+        Ok(Intervals { estimate: interval(found), compared: interval(of_weights(COMPARED)?) })
     }
 
     fn distrusted(&self, value: f64) -> Ended {

@@ -141,12 +141,12 @@ impl RandomInputSet {
 
     /// The positions of inputs whose standard deviation is not relative to their expected value.
     pub fn absolute(&self) -> impl Iterator<Item = usize> {
-        (0..self.inputs.len()).filter(|&i| self.is_absolute[i])
+        (0..self.inputs.len()).filter(|&position| self.is_absolute(position))
     }
 
     /// A standard deviation of the input at a position over an expected value of it.
     pub fn relative(&self, position: usize, std: f64, expected: f64) -> f64 {
-        if self.is_absolute[position] && std > 0.0 { std / expected } else { std }
+        if self.is_absolute(position) && std > 0.0 { std / expected } else { std }
     }
 
     /// Whether all inputs are normal and independent.

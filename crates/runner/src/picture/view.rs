@@ -370,8 +370,7 @@ pub fn scatter_of_entry(job: &Job, entry: usize) -> String {
         // The last word of the name of an input is enough.
         let of_input = || quantity.label.rsplit(' ').next().unwrap_or(&quantity.label);
         let name = if quantity.role == Role::Input { of_input() } else { &quantity.name };
-        let is_absolute = job.random.absolute().any(|absolute| absolute == position);
-        if is_absolute { &mut absolute } else { &mut relative }.push(format!("{name} {std}"));
+        if job.random.is_absolute(position) { &mut absolute } else { &mut relative }.push(format!("{name} {std}"));
     }
     match (relative.join(", "), absolute.join(", ")) {
         (relative, absolute) if relative.is_empty() && absolute.is_empty() => "relative std: none".to_owned(),

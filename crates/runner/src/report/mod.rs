@@ -108,9 +108,7 @@ fn in_script(data: &Value) -> String {
 fn answered(run: &ReportedRun, has_name: bool) -> String {
     let values = &run.values;
     let job = &values.job;
-    let estimates: Vec<Estimate> = (0..values.probability.len())
-        .map(|cell| Estimate { probability: values.probability[cell], low: values.low[cell], high: values.high[cell] })
-        .collect();
+    let estimates: Vec<Estimate> = (0..job.cells()).map(|cell| values.known(cell).estimate).collect();
     let asked = job.asked_cell().map(|cell| values.known(cell));
     let answer = answer(job, &estimates, asked.as_ref());
     let (first, rest) = answer.split_once('\n').unwrap_or((answer.as_str(), ""));

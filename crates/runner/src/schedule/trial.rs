@@ -152,16 +152,14 @@ impl Engine {
         if measured.batches() == 0 && evaluator.counts_verdicts() {
             measured.batch(twice.again, 1.0);
         }
+        let trial = |cost: UnitCost| SampleTrial { cost, serial: places.most(), search: 0.0, until_stop };
         if is_simulated {
             // Simulations of different cells share the lanes, so that batches by themselves take longer.
             if let Some(cost) = self.try_stream(evaluator, &places, limits, &mut measured)? {
-                return Ok(Ok(SampleTrial { cost, serial: places.most(), search: 0.0, until_stop }));
+                return Ok(Ok(trial(cost)));
             }
         }
-        Ok(match measured.cost() {
-            Some(cost) => Ok(SampleTrial { cost, serial: places.most(), search: 0.0, until_stop }),
-            None => Err(limits.unmeasured(what)),
-        })
+        Ok(measured.cost().map(trial).ok_or_else(|| limits.unmeasured(what)))
     }
 
     /// Measures the cost of the audits of a job, the plain samples beside its probabilities.

@@ -2,6 +2,7 @@
 //!
 //! Each says by a hash which results it shows, so that neither clocks matter nor the order in which files are copied.
 
+use std::fs::File;
 use std::io::Read as _;
 use std::path::Path;
 
@@ -22,12 +23,11 @@ const OF_LIMITS: [&str; 2] = ["stickslip:of", "stickslip:targets"];
 
 /// Identifies the results that lie in a run directory: the surface, by its job, and limits beside it. None without a surface.
 pub fn results(directory: &RunDirectory) -> Option<String> {
-    let text = |name: &str, key: &str| text_of_key(&directory.root().open_file(name).ok()?, key);
-    let surface = text(SURFACE, JOB_HASH_KEY).filter(|hash| is_hash(hash))?;
-    if text(LIMITS, JOB_HASH_KEY).as_ref() != Some(&surface) {
-        return Some(surface);
-    }
-    let limits = OF_LIMITS.map(|key| text(LIMITS, key).unwrap_or_default());
+    let open = |name: &str| directory.root().open_file(name).ok();
+    let surface = text_of_key(&open(SURFACE)?, JOB_HASH_KEY).filter(|hash| is_hash(hash))?;
+    let is_beside = |limits: &File| text_of_key(limits, JOB_HASH_KEY).as_ref() == Some(&surface);
+    let Some(limits) = open(LIMITS).filter(is_beside) else { return Some(surface) };
+    let limits = OF_LIMITS.map(|key| text_of_key(&limits, key).unwrap_or_default());
     Some(blake3::hash(format!("{surface} {limits:?}").as_bytes()).to_hex().to_string())
 }
 
@@ -38,17 +38,20 @@ fn is_hash(text: &str) -> bool {
 
 /// The names of reports and pictures in a run directory that show other results than those that lie there.
 pub fn outdated(directory: &RunDirectory) -> Vec<String> {
-    let Some(results) = results(directory) else { return Vec::new() };
-    let names = directory.root().names().unwrap_or_default();
     let is_drawn = |name: &String| {
         BEGINNINGS.iter().any(|part| name.starts_with(part)) && ENDINGS.iter().any(|part| name.ends_with(part))
     };
+    let names = directory.root().names().unwrap_or_default().into_iter();
+    let mut names: Vec<String> = names.filter_map(|name| name.into_string().ok()).filter(is_drawn).collect();
+    if names.is_empty() {
+        return names;
+    }
+    let Some(results) = results(directory) else { return Vec::new() };
     let shows_others = |name: &String| {
         let is_it = |part: &[u8]| part == results.as_bytes();
         head(directory, name).is_some_and(|head| !head.windows(results.len()).any(is_it))
     };
-    let mut names: Vec<String> = names.into_iter().filter_map(|name| name.into_string().ok()).collect();
-    names.retain(|name| is_drawn(name) && shows_others(name));
+    names.retain(shows_others);
     names.sort_unstable();
     names
 }

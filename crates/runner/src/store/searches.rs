@@ -138,7 +138,8 @@ impl Drop for Searches {
     }
 }
 
-/// What searches are of: those of a kind, for a job, which end in a file with this footer.
+/// What searches are of: those of a kind, for a job, which end in a file with this footer. A kind that asks in another order
+/// has another name, as its answers are known by their order.
 pub fn digest_of_searches(kind: &str, experiment: &str, footer: &[(&'static str, String)]) -> String {
     blake3::hash(format!("{kind} {experiment} {footer:?}").as_bytes()).to_hex().to_string()
 }

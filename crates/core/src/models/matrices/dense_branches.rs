@@ -74,7 +74,7 @@ impl Place for DensePlace {
         if a.right.is_empty() || b.right.is_empty() {
             return Complex::new(f64::INFINITY, f64::INFINITY);
         }
-        let Quadratic { damping, stiffness } = &self.derivative;
+        let Quadratic { damping, stiffness, .. } = &self.derivative;
         let right = DVector::from_column_slice(&b.right);
         let mean = (a.eigenvalue + b.eigenvalue) * 0.5;
         let force = product(damping, &right) * mean + product(stiffness, &right);

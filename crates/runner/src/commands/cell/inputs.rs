@@ -98,7 +98,7 @@ fn panel(
     let mut density: Vec<[f64; 2]> =
         steps.map(density).filter(|[value, density]| value.is_finite() && density.is_finite()).collect();
     density.sort_by(|a, b| a[0].total_cmp(&b[0]));
-    let scatter = if job.random.absolute().any(|absolute| absolute == input) { "std" } else { "relative std" };
+    let scatter = if job.random.is_absolute(input) { "std" } else { "relative std" };
     let marginal = &job.random.marginals[input];
     let name = marginal.name();
     let before = if matches!(marginal, Marginal::TruncatedNormal { .. }) { " before the cut" } else { "" };

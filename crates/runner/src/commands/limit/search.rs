@@ -49,7 +49,7 @@ impl<'a> Wanted<'a> {
 
     /// What its searches are of: everything that their answers depend on.
     pub fn searches_of(self) -> String {
-        digest_of_searches("limits", &self.job.experiment_hash(), &self.nothing_found().footer())
+        digest_of_searches("limits, no value twice", &self.job.experiment_hash(), &self.nothing_found().footer())
     }
 
     /// Finds them. `stopped` is what is said after a signal; `keeper` keeps the answers of the searches.
