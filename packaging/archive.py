@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import hashlib
 import io
-import os
 import shutil
 import subprocess
 import sys
@@ -77,7 +76,7 @@ def packed(folder: Path, epoch: int) -> bytes:
 def main() -> None:
     """Makes the archive that the command line asks for."""
     target, wheel, host_program, out = sys.argv[1:]
-    epoch = int(os.environ["SOURCE_DATE_EPOCH"])
+    epoch = parts.epoch()
     name = f"stickslip-{target}-v{parts.version()}"
     with tempfile.TemporaryDirectory() as place:
         folder = Path(place, name)

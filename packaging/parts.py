@@ -54,6 +54,17 @@ def run(*command: str) -> str:
     return subprocess.run(command, check=True, cwd=REPOSITORY, stdout=subprocess.PIPE, text=True).stdout
 
 
+def epoch() -> int:
+    """The time of what is packed, in seconds since 1970: SOURCE_DATE_EPOCH."""
+    text = os.environ.get("SOURCE_DATE_EPOCH")
+    example = "for example SOURCE_DATE_EPOCH=$(git log -1 --format=%ct), as the Makefile does"
+    if text is None:
+        raise PackagingError(f"SOURCE_DATE_EPOCH is not set; set it to the time of what is packed, {example}")
+    if not re.fullmatch("[0-9]+", text):
+        raise PackagingError(f"SOURCE_DATE_EPOCH is {text!r}, and must be whole seconds since 1970, {example}")
+    return int(text)
+
+
 def version() -> str:
     """The version of the program."""
     [program] = [package for package in metadata("--no-deps")["packages"] if package["name"] == "stickslip"]

@@ -8,12 +8,11 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 import re
 import time
 from typing import Any
 
-from parts import REPOSITORY, PackagingError, Part, metadata
+from parts import REPOSITORY, PackagingError, Part, epoch, metadata
 
 
 def bill_of_crates(target: str) -> dict[str, Any]:
@@ -41,7 +40,7 @@ def bill_of_crates(target: str) -> dict[str, Any]:
         "specVersion": "1.5",
         "version": 1,
         "metadata": {
-            "timestamp": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(int(os.environ["SOURCE_DATE_EPOCH"]))),
+            "timestamp": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(epoch())),
             "component": own,
         },
         "components": [_crate(package, checksums) for package in crates],

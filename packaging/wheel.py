@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import base64
 import hashlib
-import os
 import stat
 import sys
 import time
@@ -84,6 +83,6 @@ def _replace(wheel: Path, added: dict[str, bytes], epoch: int) -> None:
 
 if __name__ == "__main__":
     try:
-        complete(Path(sys.argv[2]), sys.argv[1], int(os.environ["SOURCE_DATE_EPOCH"]))
+        complete(Path(sys.argv[2]), sys.argv[1], parts.epoch())
     except parts.PackagingError as error:
         sys.exit(f"packaging: {error}")

@@ -69,6 +69,18 @@ def test_a_crate_without_a_text_is_refused_unless_its_licence_has_a_standard_tex
         parts._standard(part, [])
 
 
+def test_without_a_time_it_is_said_what_to_set(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "1700000000")
+    assert parts.epoch() == 1_700_000_000
+    for text in ["", "now", "-1", "1.5"]:
+        monkeypatch.setenv("SOURCE_DATE_EPOCH", text)
+        with pytest.raises(parts.PackagingError, match=f"SOURCE_DATE_EPOCH is {re.escape(repr(text))}, and must be"):
+            parts.epoch()
+    monkeypatch.delenv("SOURCE_DATE_EPOCH")
+    with pytest.raises(parts.PackagingError, match=r"is not set; .*SOURCE_DATE_EPOCH=\$\(git log"):
+        parts.epoch()
+
+
 def test_a_crate_with_notices_of_others_alone_gets_the_text_of_its_own_licence(folder: Path) -> None:
     text = (folder / "THIRD-PARTY-LICENSES").read_text()
     entry = text[text.index("\nfaer 0.") :]
