@@ -5,18 +5,13 @@
 
 use faer::MatRef;
 use nalgebra::linalg::balancing::balance_parlett_reinsch;
-use nalgebra::{Complex, DMatrix, DVector, Schur};
+use nalgebra::{Complex, DMatrix};
 use thiserror::Error;
+
+use super::schur::{SWEEPS_PER_ROW, eigenvalues_of, power_of_two_near, real_schur};
 
 /// One eigenvalue; its real part is a growth rate, its imaginary part an angular frequency.
 pub type Eigenvalue = Complex<f64>;
-
-/// QR sweeps allowed for each row of the matrix. Two or three are usual; nalgebra without a cap can run forever
-/// (seen on the companion matrix of x^4 + 1).
-const SWEEPS_PER_ROW: usize = 60;
-
-/// How often an iteration that does not converge is begun anew.
-const ATTEMPTS: usize = 6;
 
 /// Why eigenvalues could not be computed.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
@@ -60,11 +55,9 @@ pub fn eigenvalues(matrix: &DMatrix<f64>) -> Result<Vec<Eigenvalue>, EigenvalueE
     let Some((scaled, scale)) = balanced(matrix)? else {
         return Ok(vec![Eigenvalue::new(0.0, 0.0); matrix.nrows()]);
     };
-    let sweeps = SWEEPS_PER_ROW * matrix.nrows();
-    let schur = (0..ATTEMPTS)
-        .find_map(|attempt| Schur::try_new(reflected(&scaled, attempt), f64::EPSILON, sweeps))
-        .ok_or(EigenvalueError::NotConverged { sweeps })?;
-    let mut values: Vec<Eigenvalue> = schur.complex_eigenvalues().iter().map(|value| value * scale).collect();
+    let not_converged = EigenvalueError::NotConverged { sweeps: SWEEPS_PER_ROW * matrix.nrows() };
+    let (_, triangle) = real_schur(&scaled).ok_or(not_converged)?;
+    let mut values: Vec<Eigenvalue> = eigenvalues_of(&triangle).into_iter().map(|value| value * scale).collect();
     values.sort_by(|a, b| b.re.total_cmp(&a.re).then(b.im.total_cmp(&a.im)));
     Ok(values)
 }
@@ -99,28 +92,6 @@ fn balanced(matrix: &DMatrix<f64>) -> Result<Option<(DMatrix<f64>, f64)>, Eigenv
     let mut scaled = matrix / scale;
     balance_parlett_reinsch(&mut scaled);
     Ok(Some((scaled, scale)))
-}
-
-/// The matrix as it is, or, for further attempts, in coordinates that are reflected at a plane: `H A H` with
-/// `H = 1 - 2 v v^T`. It has the same eigenvalues, and the iteration takes another course. nalgebra takes no exceptional
-/// shifts, without which it goes round in circles for one matrix in a million.
-fn reflected(matrix: &DMatrix<f64>, attempt: usize) -> DMatrix<f64> {
-    let mut reflected = matrix.clone();
-    if attempt > 0 {
-        let entry = |row: usize, _| 1.0 / (1.0 + (row * attempt % matrix.nrows()) as f64);
-        let v = DVector::from_fn(matrix.nrows(), entry).normalize();
-        let of_columns = reflected.tr_mul(&v);
-        reflected.ger(-2.0, &v, &of_columns, 1.0);
-        let of_rows = &reflected * &v;
-        reflected.ger(-2.0, &of_rows, &v, 1.0);
-    }
-    reflected
-}
-
-/// The largest power of two not above `value`, kept away from the ends of the exponent range.
-fn power_of_two_near(value: f64) -> f64 {
-    let (_, exponent) = libm::frexp(value);
-    libm::ldexp(1.0, (exponent - 1).clamp(-1000, 1000))
 }
 
 #[cfg(test)]
@@ -184,6 +155,25 @@ mod tests {
         let values = eigenvalues(&scaled).unwrap();
         for (value, expected) in values.iter().zip([3.0, 2.0, 1.0]) {
             assert!((value.re - expected).abs() < 1e-10 && value.im.abs() < 1e-10, "{value} {expected}");
+        }
+    }
+
+    /// Entries from 1e-300 to 1e300 in one matrix: what is small beside the balanced matrix is lost, and nothing else.
+    #[test]
+    fn entries_over_the_whole_range_of_numbers_have_the_trace_of_the_matrix() {
+        let mut state = 3_u64;
+        let mut next = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+        };
+        for case in 0..60 {
+            let size = 2 + case % 7;
+            let matrix = DMatrix::from_fn(size, size, |_, _| next() * 10_f64.powi((300.0 * next()) as i32));
+            let (balanced, scale) = balanced(&matrix).unwrap().unwrap();
+            let values = eigenvalues(&matrix).unwrap();
+            assert_eq!(values.len(), size);
+            let sum = values.iter().map(|value| value / scale).sum::<Eigenvalue>();
+            assert!((sum - balanced.trace()).norm() <= 1e-13 * balanced.norm(), "{matrix}");
         }
     }
 

@@ -8,6 +8,8 @@ pub(crate) mod monotone_cubic;
 
 pub(crate) mod smoothing_spline;
 
+pub(crate) mod schur;
+
 pub mod eigenvalues;
 
 pub(crate) mod fixed_point;
