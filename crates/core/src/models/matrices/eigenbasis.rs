@@ -1,16 +1,14 @@
 //! All eigenvalues of a quadratic problem with their vectors, in which changes of its matrices are written.
 
 use nalgebra::linalg::balancing::balance_parlett_reinsch;
-use nalgebra::{Complex, DMatrix, DVector, Schur};
+use nalgebra::{Complex, DMatrix, DVector};
 
 use super::quadratic::{DenseQuadratic, Quadratic, transposed_product};
 use super::region::{magnitude, square_root};
 use crate::numerics::eigenvalues::Eigenvalue;
+use crate::numerics::schur::real_schur;
 
 pub(super) type ComplexMatrix = DMatrix<Complex<f64>>;
-
-/// QR sweeps allowed for each row.
-const SWEEPS_PER_ROW: usize = 60;
 
 /// The condition number of an eigenvalue up to which vectors are taken for a basis.
 pub(super) const WORST_CONDITION: f64 = 1e6;
@@ -40,7 +38,7 @@ impl Decomposition {
             return None;
         }
         let scales = balance_parlett_reinsch(&mut companion);
-        let mut found = Self::new(companion)?;
+        let mut found = Self::new(&companion)?;
         for (i, scale) in scales.iter().enumerate() {
             found.vectors.row_mut(i).scale_mut(*scale);
             found.inverse.column_mut(i).unscale_mut(*scale);
@@ -49,12 +47,11 @@ impl Decomposition {
     }
 
     /// The decomposition of a matrix; `None` if there is none.
-    fn new(companion: DMatrix<f64>) -> Option<Self> {
-        let states = companion.nrows();
-        if states == 0 || companion.iter().any(|value| !value.is_finite()) {
+    fn new(companion: &DMatrix<f64>) -> Option<Self> {
+        if companion.is_empty() || companion.iter().any(|value| !value.is_finite()) {
             return None;
         }
-        let (schur_vectors, triangle) = Schur::try_new(companion, f64::EPSILON, SWEEPS_PER_ROW * states)?.unpack();
+        let (schur_vectors, triangle) = real_schur(companion)?;
         let (schur_vectors, triangle) = complex_schur(&schur_vectors, &triangle);
         let vectors = Split::new(&schur_vectors).times(&Split::new(&vectors_of_triangle(&triangle)));
         let inverse = vectors.clone().lu().try_inverse()?;
@@ -71,7 +68,7 @@ impl Eigenbasis {
 
     /// The basis of a problem and the condition numbers of its eigenvalues; `None` if there is none.
     pub(super) fn with_conditions(problem: &Quadratic) -> Option<(Self, Vec<f64>)> {
-        let Decomposition { eigenvalues, vectors, inverse } = Decomposition::new(problem.companion())?;
+        let Decomposition { eigenvalues, vectors, inverse } = Decomposition::new(&problem.companion())?;
         let (states, size) = (eigenvalues.len(), eigenvalues.len() / 2);
         let length =
             |values: &mut dyn Iterator<Item = Complex<f64>>| values.map(|value| value.norm_sqr()).sum::<f64>().sqrt();
@@ -232,6 +229,7 @@ mod tests {
     use nalgebra::dmatrix;
 
     use super::*;
+    use crate::models::matrices::trial::Numbers;
 
     #[test]
     fn the_basis_diagonalises_the_problem_and_its_changes() {
@@ -257,5 +255,29 @@ mod tests {
         }
         let real_one = basis.eigenvalues.iter().filter(|value| value.im == 0.0).count();
         assert!(real_one >= 2, "an overdamped mode has real eigenvalues: {:?}", basis.eigenvalues);
+    }
+
+    /// Coordinates with nearly the same strong damping and the same soft spring: two clusters of real eigenvalues, at which
+    /// nalgebra's iteration stands still.
+    #[test]
+    fn motions_that_are_nearly_equal_have_a_basis() {
+        let mut numbers = Numbers(1);
+        for size in 1..=6 {
+            for perturbation in [0.0, 1e-15, 1e-14, 1e-13, 1e-12] {
+                let mut near = |value: f64| {
+                    let perturbed = DMatrix::from_fn(size, size, |_, _| perturbation * numbers.next());
+                    DMatrix::identity(size, size) * value + perturbed
+                };
+                let problem = Quadratic { damping: near(10.0), stiffness: near(0.1), zeros: 0 };
+                let Decomposition { eigenvalues, vectors, inverse } = Decomposition::balanced(&problem).unwrap();
+                let companion: ComplexMatrix = problem.companion().map(Complex::from);
+                let diagonal = ComplexMatrix::from_diagonal(&DVector::from_vec(eigenvalues));
+                let residual = companion * &vectors - &vectors * diagonal;
+                let unit = inverse * &vectors - ComplexMatrix::identity(2 * size, 2 * size);
+                let largest = |matrix: &ComplexMatrix| matrix.iter().map(|entry| magnitude(*entry)).fold(0.0, f64::max);
+                assert!(largest(&residual) < 1e-12 && largest(&unit) < 1e-12, "{size} {perturbation}");
+                assert!(Eigenbasis::new(&problem).is_some(), "{size} {perturbation}");
+            }
+        }
     }
 }

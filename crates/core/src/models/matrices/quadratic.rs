@@ -197,7 +197,7 @@ pub struct Quadratic {
     /// K.
     pub stiffness: DMatrix<f64>,
     /// How many eigenvalues are known to be zero.
-    zeros: usize,
+    pub zeros: usize,
 }
 
 impl Quadratic {
