@@ -552,6 +552,10 @@ fn a_plot_shows_chosen_values_a_target_and_a_title() {
     for (options, why) in [
         ("few --at preload=0.1 --at static_friction=0.4", "--at leaves a single cell of few: its probability of"),
         ("three --at rotating_speed=14", "has no value 14 in the run; the nearest is 15"),
+        (
+            "three --at rotating_speed=15 --at rotating_speed=12",
+            "--at rotating_speed=12: rotating_speed is given twice, as 15 and as 12; give one value of each axis",
+        ),
         ("three --at speed=15", "speed is no axis of the run, whose axes are rotating_speed, preload, static_friction"),
         ("three --at rotating_speed", "rotating_speed=15"),
         ("one --target 1.5", "greater than 0 and less than 1"),

@@ -126,6 +126,62 @@ fn a_run_through_the_script_is_that_of_one_process_whatever_its_path() {
     assert_eq!(record(&place).len(), 2);
 }
 
+/// Takes the place of GNU parallel: runs one shard after the other here.
+const PARALLEL: &str = r#"#!/bin/bash
+if [ "$1" = --version ]; then echo "GNU parallel 20221122"; exit; fi
+while read -r shard; do sh "${@: -5:1}" "${@: -3:1}" "$shard" </dev/null || exit; done
+"#;
+
+#[test]
+fn what_is_asked_for_is_answered_by_the_merge() {
+    let place = cluster();
+    let parallel = place.write("bin/parallel", PARALLEL);
+    fs::set_permissions(parallel, fs::Permissions::from_mode(0o755)).unwrap();
+    place.write("hosts", ":\n");
+    place.write("job.toml", &job("asked", EIGENVALUE, BOTH, "samples = 1000"));
+    let asked = "--target 0.03 --at preload=0.1 --at static_friction=0.28";
+    let alone = place.run(&format!("submit job.toml --out alone {asked}")).done().stdout.replace('\n', " ");
+    let answer = alone.split_once("At 15 rad/s, ").and_then(|(_, rest)| rest.split_once(" Target: ")).unwrap().0;
+    assert!(answer.starts_with("preload = 0.1, static friction = 0.28: P, ") && answer.contains(" < 3 %"), "{answer}");
+    let says_it = |said: Outcome| {
+        let said = said.done().stdout.replace('\n', " ");
+        assert!(said.contains(answer), "{answer}\n{said}");
+    };
+
+    place.run(&format!("submit job.toml --out array --engine slurm --shards 2 {asked}")).done();
+    for task in [1, 2] {
+        ended(&mut script(&place, "array", "shard", task)).done();
+    }
+    says_it(ended(script(&place, "array", "merge", 0).args(["1", "101"])));
+    let over_ssh = format!("submit job.toml --out shared --engine parallel --hosts hosts --shards 2 {asked}");
+    says_it(place.run(&over_ssh));
+    // The same of what is finished.
+    says_it(place.run(&over_ssh));
+    for command in ["merge", "resume"] {
+        says_it(place.run(&format!("{command} shared {asked}")));
+    }
+
+    for (option, why) in [
+        (
+            "--target 0.03",
+            "--target=0.03: with --shard there is no result yet that could answer it; give it to `stickslip merge`",
+        ),
+        ("--at preload=0.1 --at static_friction=0.28", "--at=preload=0.1: with --shard there is no result"),
+    ] {
+        place.run(&format!("submit job.toml --out part --shard 1/2 {option}")).refused(64, &[why]);
+    }
+    place.write("mapped.toml", &job("mapped", SLOW, BOTH, "samples = 1000\nevaluate = \"boundary\""));
+    place
+        .run("submit mapped.toml --out part --map-only --target 0.03")
+        .refused(64, &["--target=0.03: with --map-only there is no result", "the command that computes the samples"]);
+    for command in ["merge shared", "resume shared", "submit job.toml --out part --engine slurm --shards 2"] {
+        place
+            .run(&format!("{command} --at preload=0.1 --at preload=0.05"))
+            .refused(64, &["--at: preload is given twice, as 0.1 and as 0.05; give one value of each axis"]);
+    }
+    assert!(!place.path("part").exists());
+}
+
 /// A task under way, its program at work.
 fn task_under_way(place: &Place) -> Child {
     place.write("slow.toml", &job("slow", SLOW, BOTH, "samples = 1_000_000"));

@@ -18,11 +18,14 @@ mod plot;
 
 mod words;
 
+mod asked;
+
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
 
+pub use self::asked::AskedArguments;
 pub use self::engine::{EngineArguments, EngineKind};
 pub use self::limit::LimitArguments;
 pub use self::pad_on_disc::{
@@ -33,7 +36,7 @@ pub use self::plot::{PlotArguments, PlotQuantity};
 pub use self::reduction::ReduceArguments;
 pub use self::start::StartArgument;
 pub use self::threads::ThreadsArgument;
-use self::values::{axis_value, html_file, parquet_file, probability, seed, whole_number};
+use self::values::{html_file, parquet_file, seed, whole_number};
 pub use self::words::other_word;
 use crate::export::format::Format;
 use crate::messages::Form;
@@ -144,12 +147,8 @@ pub struct SubmitArguments {
     /// Samples in each cell (with until: at most), in place of the job's; more than a finished run has extend it
     #[arg(long, value_name = "N", value_parser = whole_number, allow_negative_numbers = true)]
     pub samples: Option<u64>,
-    /// Say first whether the probability is below this one, in place of the job's target
-    #[arg(long, value_name = "P", value_parser = probability, allow_negative_numbers = true)]
-    pub target: Option<f64>,
-    /// Say first what holds at this operating point, for example rotating_speed=15; once for each axis of several values
-    #[arg(long, value_name = "AXIS=VALUE", value_parser = axis_value)]
-    pub at: Vec<(String, f64)>,
+    #[command(flatten)]
+    pub asked: AskedArguments,
     /// Compute only one of N shards, to be merged later; I counts from 1 to N or from 0 to N-1
     #[arg(long, value_name = "I/N")]
     pub shard: Option<Shard>,
@@ -179,6 +178,8 @@ pub struct ResumeArguments {
     /// The run directory
     #[arg(value_name = "RUN_DIR")]
     pub run: PathBuf,
+    #[command(flatten)]
+    pub asked: AskedArguments,
     #[command(flatten)]
     pub threads: ThreadsArgument,
     #[command(flatten)]
@@ -278,12 +279,8 @@ pub struct ReportArguments {
     /// The file to write [default: report.html in the run directory, of several runs in the current one]
     #[arg(long, value_name = "FILE.html", value_parser = html_file)]
     pub out: Option<PathBuf>,
-    /// Say first whether the probability is below this one, in place of the job's target
-    #[arg(long, value_name = "P", value_parser = probability, allow_negative_numbers = true)]
-    pub target: Option<f64>,
-    /// Say first what holds at this operating point, for example rotating_speed=15; once for each axis of several values
-    #[arg(long, value_name = "AXIS=VALUE", value_parser = axis_value)]
-    pub at: Vec<(String, f64)>,
+    #[command(flatten)]
+    pub asked: AskedArguments,
     #[command(flatten)]
     pub threads: ThreadsArgument,
 }
@@ -330,6 +327,8 @@ pub struct MergeArguments {
     /// How long to wait for shards that are still at work
     #[arg(long, value_name = "SECONDS", default_value_t = WAIT)]
     pub wait: u64,
+    #[command(flatten)]
+    pub asked: AskedArguments,
 }
 
 /// Arguments of `verify`.

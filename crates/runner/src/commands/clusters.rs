@@ -11,7 +11,7 @@ use std::time::Duration;
 use super::adoption::{RunState, adopt_as_shard};
 use super::named_job::read_job;
 use super::submit::{map_directories, merge, require_samples_to_share};
-use crate::cli::{EngineKind, MergeArguments, SubmitArguments, WAIT};
+use crate::cli::{AskedArguments, EngineKind, MergeArguments, SubmitArguments, WAIT};
 use crate::failure::{Advice, Failure};
 use crate::files::bounded::read_file;
 use crate::interrupt::Interrupt;
@@ -45,7 +45,8 @@ pub fn submit_to_engine(arguments: &SubmitArguments, interrupt: &Interrupt) -> R
     let (Some(kind), Some(shards)) = (arguments.engine.engine, arguments.engine.shards) else { return Ok(()) };
     let overrides = Overrides { seed: arguments.seed, samples: arguments.samples };
     let source = read_job(&arguments.job)?.with(overrides)?;
-    let job = source.job()?;
+    let asked = &arguments.asked;
+    let job = source.job()?.asked(asked.target, &asked.at)?;
     warn(job.warnings());
     require_samples_to_share(&job, "--engine")?;
     map_directories(&arguments.maps.maps, &job)?;
@@ -65,7 +66,7 @@ pub fn submit_to_engine(arguments: &SubmitArguments, interrupt: &Interrupt) -> R
     if let RunState::Finished(_) = state {
         drop(directory);
         note(format_args!("{} has all its samples; nothing to submit", out.display()));
-        return merge(&MergeArguments { run: out, wait: WAIT }, interrupt);
+        return merge(&MergeArguments { run: out, wait: WAIT, asked: asked.clone() }, interrupt);
     }
     let script = script(arguments, kind, shards, hosts, &job, &out)?;
     let folder = directory.create_folder(kind.name())?;
@@ -78,7 +79,7 @@ pub fn submit_to_engine(arguments: &SubmitArguments, interrupt: &Interrupt) -> R
     let path = absolute(&path).map_err(|error| Failure::reading(&path, error))?;
     match kind {
         EngineKind::Slurm => submit_array(&path, &out),
-        EngineKind::Parallel => run_shards(&path, &out, interrupt),
+        EngineKind::Parallel => run_shards(&path, &out, asked, interrupt),
     }
 }
 
@@ -126,6 +127,7 @@ fn script(
         .map_err(|error| Failure::InputOutput(format!("cannot find the path of this program: {error}")))?;
     let maps = arguments.maps.maps.iter().map(|run| Ok(format!("--map {}", word(run)?)));
     let options = arguments.engine.sbatch.iter().map(|option| in_quotes(option));
+    let asked = arguments.asked.options().map(|option| in_quotes(&option));
     let threads = arguments.threads.given();
     let values = [
         ("program", word(&program)?),
@@ -136,6 +138,7 @@ fn script(
         ("maps", maps.collect::<Result<Vec<_>, Failure>>()?.join(" ")),
         ("hosts", hosts.map_or(Ok(String::new()), word)?),
         ("options", options.collect::<Vec<_>>().join(" ")),
+        ("asked", asked.collect::<Vec<_>>().join(" ")),
         match kind {
             EngineKind::Slurm => ("threads", threads.unwrap_or(1).to_string()),
             EngineKind::Parallel => ("threads", threads.map_or(String::new(), |count| format!("--threads {count}"))),
@@ -198,7 +201,7 @@ fn submit_array(script: &Path, run: &Path) -> Result<(), Failure> {
 }
 
 /// Runs the shards over GNU parallel, and merges them.
-fn run_shards(script: &Path, run: &Path, interrupt: &Interrupt) -> Result<(), Failure> {
+fn run_shards(script: &Path, run: &Path, asked: &AskedArguments, interrupt: &Interrupt) -> Result<(), Failure> {
     let again = "submit the job again in the same way";
     interrupt.remark(Advice::action(&format!(
         "shards that other machines have begun go on, and what is finished is kept; to continue, {again}"
@@ -216,7 +219,7 @@ fn run_shards(script: &Path, run: &Path, interrupt: &Interrupt) -> Result<(), Fa
         note(format_args!("not every shard has ended well ({status}); see {}", quoted(&log)));
     }
     // A machine that was lost from sight may still be at work.
-    merge(&MergeArguments { run: run.to_owned(), wait: WAIT }, interrupt)
+    merge(&MergeArguments { run: run.to_owned(), wait: WAIT, asked: asked.clone() }, interrupt)
 }
 
 /// Starts a script, whose messages a thread passes on as notes where they are for programs.

@@ -27,7 +27,7 @@ pub fn report(arguments: &ReportArguments, interrupt: &Interrupt) -> Result<(), 
         arguments.runs.iter().map(|run| ReportedRun::read(run)).collect::<Result<_, _>>()?;
     let (directory, name) = output_file(&out)?;
     for (run, path) in runs.iter_mut().zip(&arguments.runs) {
-        run.values.job = run.values.job.clone().asked(arguments.target, &arguments.at)?;
+        run.values.job = run.values.job.clone().asked(arguments.asked.target, &arguments.asked.at)?;
         let of_cells = cell::pictures(&run.values.job, path)?;
         run.pictures.extend(of_cells);
         let pictures = pictures_of_modes(&run.values.job, arguments.threads.count(), interrupt)?;

@@ -29,7 +29,8 @@ pub fn submit(arguments: &SubmitArguments, interrupt: &Interrupt) -> Result<(), 
     let shard = arguments.shard;
     let overrides = Overrides { seed: arguments.seed, samples: arguments.samples };
     let source = read_job(&arguments.job)?.with(overrides)?;
-    let job = source.job()?.asked(arguments.target, &arguments.at)?;
+    let job = source.job()?.asked(arguments.asked.target, &arguments.asked.at)?;
+    refuse_to_ask_a_part(arguments)?;
     let (target, operating_point) = (job.target, job.operating_point);
     warn(job.warnings());
     if arguments.map_only && !job.uses_maps() {
@@ -112,7 +113,7 @@ pub fn submit(arguments: &SubmitArguments, interrupt: &Interrupt) -> Result<(), 
 /// `stickslip resume`.
 pub fn resume(arguments: &ResumeArguments, interrupt: &Interrupt) -> Result<(), Failure> {
     let directory = RunDirectory::open(&arguments.run, Access::Alone, AN_INSTANT)?;
-    let job = directory.job()?;
+    let job = directory.job()?.asked(arguments.asked.target, &arguments.asked.at)?;
     let tally = directory.tally(&job)?;
     if Parts::new(&job).are_complete(&tally) && lost_tiles(&directory, &job, &tally)?.0 == 0 {
         announce(
@@ -125,6 +126,17 @@ pub fn resume(arguments: &ResumeArguments, interrupt: &Interrupt) -> Result<(), 
     let work = Work { threads, shard: None, maps, is_map_only: false, command: "resume" };
     let run = compute(directory, job, tally, &work, interrupt)?;
     report(&run.directory, &run.job, &run.surface(), run.limits.as_ref())
+}
+
+/// Refuses a question to what computes a part of a run and prints no result.
+fn refuse_to_ask_a_part(arguments: &SubmitArguments) -> Result<(), Failure> {
+    let Some(option) = arguments.asked.options().next() else { return Ok(()) };
+    let (part, remedy) = match arguments.shard {
+        _ if arguments.map_only => ("--map-only", "give it to the command that computes the samples"),
+        Some(_) => ("--shard", "give it to `stickslip merge`, which prints that of all shards"),
+        None => return Ok(()),
+    };
+    Err(Failure::Usage(format!("{option}: with {part} there is no result yet that could answer it; {remedy}")))
 }
 
 /// Refuses to share a job that draws no samples.
@@ -162,7 +174,7 @@ pub fn merge(arguments: &MergeArguments, interrupt: &Interrupt) -> Result<(), Fa
     // Shards may still be at work: some that finish, or one of which a batch system started a second copy.
     let patience = Duration::from_secs(arguments.wait);
     let directory = RunDirectory::open(&arguments.run, Access::Alone, patience.max(AN_INSTANT))?;
-    let job = directory.job()?;
+    let job = directory.job()?.asked(arguments.asked.target, &arguments.asked.at)?;
     let tally = directory.tally(&job)?;
     let resume = format!("stickslip resume {}", quoted(&arguments.run));
     if !job.draws_samples() {

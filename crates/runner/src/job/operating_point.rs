@@ -57,10 +57,15 @@ impl Job {
                 let has = if long.is_empty() { "none of several values".to_owned() } else { long.join(", ") };
                 return Err((Some(entry), format!("{name} is no axis of the job, which has {has}{hint}")));
             }
+            if let Some((_, other)) = values[..entry].iter().find(|(earlier, _)| earlier == name) {
+                let value = values[entry].1;
+                let why = format!("{name} is given twice, as {other} and as {value}; give one value of each axis");
+                return Err((Some(entry), why));
+            }
         }
         let mut cell = 0;
         for (name, on_axis) in &axes {
-            let given = values.iter().rposition(|(axis, _)| axis == name);
+            let given = values.iter().position(|(axis, _)| axis == name);
             let place = match given {
                 Some(entry) => {
                     let wanted = values[entry].1;
@@ -152,5 +157,13 @@ mod tests {
         let at = at.map(|(name, value)| (name.to_owned(), value));
         let refused = job("").unwrap().asked(None, &at).unwrap_err();
         assert_eq!(refused.to_string(), "--at: preload has no value 0.2 on the grid; the nearest is 0.1");
+        let twice =
+            [("rotating_speed", 10.0), ("relative_std", 0.1), ("static_friction", 0.3), ("rotating_speed", 15.0)];
+        let twice = twice.map(|(name, value)| (name.to_owned(), value));
+        let refused = job("").unwrap().asked(None, &twice).unwrap_err();
+        assert_eq!(
+            refused.to_string(),
+            "--at: rotating_speed is given twice, as 10 and as 15; give one value of each axis"
+        );
     }
 }

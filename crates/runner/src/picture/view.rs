@@ -169,7 +169,10 @@ impl GridView {
             let nearest = nearest.map_or_else(String::new, |nearest| format!("; the nearest is {nearest}"));
             return Err(format!("{name} has no value {value} in the run{nearest}"));
         };
-        self.held.retain(|(axis, _)| *axis != index);
+        if let Some((_, other)) = self.held.iter().find(|(axis, _)| *axis == index) {
+            let other = values[*other];
+            return Err(format!("{name} is given twice, as {other} and as {value}; give one value of each axis"));
+        }
         self.held.push((index, position));
         (self.vertical, self.horizontal) = (None, None);
         self.choose();

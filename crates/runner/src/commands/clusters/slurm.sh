@@ -70,7 +70,7 @@ merge)
     # A warning of the time limit is of no use to it.
     trap '' USR1
     # It waits for a task that Slurm believes to be lost.
-    "$stickslip" merge "$run" --wait 600
+    "$stickslip" merge "$run" --wait 600 {{asked}}
     code=$?
     # It has failed for another reason than missing samples, or not at all.
     if ! "$stickslip" status "$run" --json | grep -q '"state": "unfinished"'; then exit "$code"; fi
