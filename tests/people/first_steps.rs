@@ -147,6 +147,7 @@ fn the_summary_of_a_run_is_there_for_programs() {
     let answer = said["answer"].as_str().unwrap().split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(answer.starts_with("P, the probability of instability: ") && words.contains(&answer), "{answer}\n{words}");
     assert_eq!(json(&place.run("submit job.toml --json").done().stdout), said);
+    assert!(said["decision"].is_null(), "no operating point is asked about: {said}");
     place.run("submit job.toml --json --shard 1/2").refused(64, &["cannot be used with"]);
 }
 

@@ -330,6 +330,22 @@ fn the_operating_point_heads_the_report_and_the_end_of_a_run() {
             options += &format!(" --at rotating_speed={speed} --at preload={preload} --at static_friction={friction}");
         }
         let said = place.run(&format!("submit three.toml --out three{options}")).done().stdout.replace('\n', " ");
+        let decision = &serde_json::from_str::<Value>(
+            &place.run(&format!("submit three.toml --out three --json{options}")).done().stdout,
+        )
+        .unwrap()["decision"];
+        for (key, number) in
+            [("p_unstable", p), ("p_low", low), ("p_high", high), ("target", target), ("confidence", 0.95)]
+        {
+            assert!((decision[key].as_f64().unwrap() - number).abs() < 1e-12, "{key}: {decision}");
+        }
+        for (name, number) in [("rotating_speed", speed), ("preload", preload), ("static_friction", friction)] {
+            assert!((decision["at"][name].as_f64().unwrap() - number).abs() < 1e-9, "{decision}");
+        }
+        let is_met = if high < target { Some(true) } else { (low >= target).then_some(false) };
+        assert_eq!(decision["met"].as_bool(), is_met, "{decision}");
+        let rests_on = format!("It rests on {}", decision["rests_on"].as_str().unwrap());
+        assert!(rests_on.starts_with(&rests) && decision["distrust"].is_null(), "{decision}");
         let in_order = [&first, &met, &rests, &format!("Target: P < {} %", 100.0 * target)];
         let places = in_order.map(|text| said.find(&**text).unwrap_or_else(|| panic!("{text}: {said}")));
         assert!(places.is_sorted(), "{places:?}: {said}");

@@ -74,6 +74,7 @@ pub fn report_as_json(
         "p_unstable_min": known().reduce(f64::min),
         "p_unstable_max": known().reduce(f64::max),
         "answer": answered(job, surface, &summary).trim_end(),
+        "decision": job.asked_cell().map(|cell| KnownCell::from(&surface.row(cell)).decision(job, cell)),
         "notes": summary.exceptions.sentences(job),
     });
     result(&format!("{said:#}\n"))?;

@@ -91,6 +91,21 @@ impl Job {
         Ok(cell)
     }
 
+    /// The values of a cell on its axes, slowest first, with which it is asked about; that of scatter only where it varies.
+    pub fn point(&self, cell: u64) -> Vec<(String, f64)> {
+        let mut point = Vec::new();
+        let mut left = cell;
+        for (name, on_axis) in self.axes_and_scatter().into_iter().rev() {
+            let length = on_axis.len() as u64;
+            if length > 1 || name != "relative_std" {
+                point.push((name, on_axis[(left % length) as usize]));
+            }
+            left /= length;
+        }
+        point.reverse();
+        point
+    }
+
     /// The names of all axes with their values, slowest first. That of scatter has the values of the first input in which these
     /// differ.
     fn axes_and_scatter(&self) -> Vec<(String, Vec<f64>)> {
@@ -131,6 +146,7 @@ mod tests {
             let given = given.map(|(name, value)| (name.to_owned(), value));
             let asked = all.clone().asked(Some(0.1), &given).unwrap();
             assert_eq!((asked.asked_cell(), asked.target), (Some(index), Some(0.1)));
+            assert_eq!(all.clone().asked(None, &all.point(index)).unwrap().asked_cell(), Some(index));
         }
     }
 

@@ -404,3 +404,18 @@ pub fn label(value: f64) -> String {
 pub fn probability(value: f64) -> String {
     if value == 0.0 || value >= 1e-3 { format!("{value:.4}") } else { format!("{value:.1e}") }
 }
+
+/// The same with as many more digits as it takes to lie on the same side of a limit as the number itself: 0.04999 is below
+/// 0.05, and 0.0500 is not.
+pub fn probability_beside(value: f64, limit: Option<f64>) -> String {
+    let keeps_its_side = |text: &String| {
+        let shown: f64 = text.parse().unwrap_or(value);
+        limit.is_none_or(|limit| (shown < limit) == (value < limit))
+    };
+    let with_more = |digits: usize| match value >= 1e-3 {
+        true => format!("{value:.*}", digits + 3),
+        false => format!("{value:.digits$e}"),
+    };
+    let mut all = std::iter::once(probability(value)).chain((2..16).map(with_more));
+    all.find(keeps_its_side).unwrap_or_else(|| value.to_string())
+}
