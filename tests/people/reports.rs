@@ -595,7 +595,7 @@ fn what_shows_earlier_results_is_named() {
     let time = fs::metadata(place.path("drawn/report.html")).unwrap().modified().unwrap();
     fs::File::options().write(true).open(place.path("drawn/surface.parquet")).unwrap().set_modified(time).unwrap();
     let line = format!(
-        "{} are outdated, as the results have changed since; make them again with `stickslip report drawn` and `stickslip plot drawn`\n",
+        "{} are outdated, as the results have changed since; make them again with `stickslip report drawn`, `stickslip plot drawn --out drawn/surface.pdf` and `stickslip plot drawn`\n",
         made.join(", ")
     );
     for said in [extended, place.run("status drawn").done().stdout, place.run("resume drawn").done().stdout] {
@@ -604,9 +604,12 @@ fn what_shows_earlier_results_is_named() {
     let all = place.run("status .").done().stdout;
     assert!(all.contains(&format!("100.0 %  outdated: {}\n", made.join(", "))), "{all}");
     let checked = place.run("verify drawn").done().stdout;
-    assert!(checked.contains("surface.png: outdated; it shows other results than those of the run\n"), "{checked}");
+    let of_picture =
+        "surface.png: outdated, it shows earlier results of the run; make it again with `stickslip plot drawn`\n";
+    assert!(checked.contains(of_picture), "{checked}");
     let checked: Value = serde_json::from_str(&place.run("verify drawn --json").done().stdout).unwrap();
-    assert_eq!(checked["state"], "outdated");
+    assert_eq!(checked["state"], "sound", "the run itself is sound");
+    assert_eq!(checked["outdated"].as_array().unwrap(), &made);
     let named = checked["files"].as_array().unwrap().iter().filter(|file| file["state"] == "outdated");
     assert_eq!(named.map(|file| file["file"].as_str().unwrap()).collect::<Vec<_>>(), made);
     draw();

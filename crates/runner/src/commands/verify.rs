@@ -21,7 +21,7 @@ use crate::store::file_state::{FileState, state_of};
 use crate::store::layout::{AUDITS, JOB, LIMITS, MAPS, RECORD, SEARCHES, SHARDS, SURFACE, WITH_DIGESTS};
 use crate::store::lock::Access;
 use crate::store::map_pieces;
-use crate::store::outdated::outdated;
+use crate::store::outdated::{outdated, renewal};
 use crate::store::piece::{Defect, is_piece_name, read_checked};
 use crate::store::provenance::is_record;
 use crate::store::tally::Tally;
@@ -37,13 +37,23 @@ pub fn verify(arguments: &VerifyArguments) -> Result<(), Failure> {
     let mut check = Check { directory: &directory, can_repair, findings: Vec::new(), refused: None };
     let advice = check.all()?;
     let Check { findings, refused, .. } = check;
-    let worst = findings.iter().map(|finding| finding.state).max().unwrap_or(State::Sound);
+    // A picture of earlier results says nothing against the run.
+    let outdated: Vec<&str> =
+        findings.iter().filter(|finding| finding.state == State::Outdated).map(|finding| &*finding.file).collect();
+    let of_run = findings.iter().map(|finding| finding.state).filter(|state| *state != State::Outdated);
+    let worst = of_run.max().unwrap_or(State::Sound);
     let run = arguments.run.display();
     result(&if arguments.json {
         let files = findings
             .iter()
             .map(|finding| json!({ "file": finding.file, "state": finding.state.name(), "remark": finding.remark }));
-        format!("{:#}\n", json!({ "run": run.to_string(), "state": worst.name(), "files": files.collect::<Vec<_>>() }))
+        let said = json!({
+            "run": run.to_string(),
+            "state": worst.name(),
+            "outdated": outdated,
+            "files": files.collect::<Vec<_>>(),
+        });
+        format!("{said:#}\n")
     } else {
         let lines = findings.iter().map(|finding| {
             let Finding { file, remark, .. } = finding;
@@ -65,7 +75,7 @@ pub fn verify(arguments: &VerifyArguments) -> Result<(), Failure> {
 enum State {
     /// As it was written, or rightly not there yet.
     Sound,
-    /// Of other results than those of the run.
+    /// A report or picture of other results than those of the run.
     Outdated,
     /// Damaged or lost, and written again.
     Repaired,
@@ -143,8 +153,13 @@ impl Check<'_> {
         self.surface(&job)?;
         self.lost(&job)?;
         self.limits(&job)?;
-        for name in outdated(self.directory) {
-            self.find(&name, State::Outdated, "outdated; it shows other results than those of the run");
+        for name in outdated(directory) {
+            let again = renewal(&name, directory.path());
+            self.find(
+                &name,
+                State::Outdated,
+                format!("outdated, it shows earlier results of the run; make it again with `{again}`"),
+            );
         }
         self.record();
         if self.can_repair {

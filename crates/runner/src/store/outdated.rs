@@ -68,14 +68,69 @@ pub fn line(names: &[String], run: &Path) -> String {
     if names.is_empty() {
         return String::new();
     }
-    let run = quoted(run);
-    let (reports, plots): (Vec<&String>, Vec<&String>) = names.iter().partition(|name| name.starts_with("report."));
-    let commands = [(reports, "report"), (plots, "plot")].into_iter().filter(|(names, _)| !names.is_empty());
-    let commands: Vec<String> = commands.map(|(_, command)| format!("`stickslip {command} {run}`")).collect();
+    let mut commands: Vec<String> = Vec::new();
+    for name in names {
+        let command = format!("`{}`", renewal(name, run));
+        if !commands.contains(&command) {
+            commands.push(command);
+        }
+    }
+    let commands = match &commands[..] {
+        [first @ .., last] if !first.is_empty() => format!("{} and {last}", first.join(", ")),
+        all => all.concat(),
+    };
     let (are, them) = if names.len() == 1 { ("is", "it") } else { ("are", "them") };
     format!(
-        "{} {are} outdated, as the results have changed since; make {them} again with {}\n",
-        names.join(", "),
-        commands.join(" and ")
+        "{} {are} outdated, as the results have changed since; make {them} again with {commands}\n",
+        names.join(", ")
     )
+}
+
+/// The command that makes such a file again.
+pub fn renewal(name: &str, run: &Path) -> String {
+    let file = quoted(&run.join(name));
+    let run = quoted(run);
+    let (stem, ending) = name.rsplit_once('.').unwrap_or((name, ""));
+    let (command, is_named) = match stem {
+        _ if name.starts_with("report.") => (format!("stickslip report {run}"), name == "report.html"),
+        "difference" => (format!("stickslip plot {run} --against RUN_DIR"), true),
+        "sobol" => (format!("stickslip plot {run} --of sobol"), true),
+        "surface" => (format!("stickslip plot {run}"), true),
+        _ => match stem.strip_prefix("sobol-") {
+            Some(result) => (format!("stickslip plot {run} --of sobol --result {}", quoted(Path::new(result))), true),
+            None => (format!("stickslip plot {run}"), false),
+        },
+    };
+    // Without a name, plots are written as these two.
+    let is_default = is_named && matches!(ending, "html" | "svg" | "png");
+    if is_default { command } else { format!("{command} --out {file}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_file_has_the_command_that_makes_it_again() {
+        for (name, command) in [
+            ("report.html", "stickslip report runs/a"),
+            ("report.new.html", "stickslip report runs/a --out runs/a/report.new.html"),
+            ("surface.svg", "stickslip plot runs/a"),
+            ("surface.pdf", "stickslip plot runs/a --out runs/a/surface.pdf"),
+            ("surface.paper.svg", "stickslip plot runs/a --out runs/a/surface.paper.svg"),
+            ("sobol.png", "stickslip plot runs/a --of sobol"),
+            (
+                "sobol-amplitude.pdf",
+                "stickslip plot runs/a --of sobol --result amplitude --out runs/a/sobol-amplitude.pdf",
+            ),
+            ("difference.svg", "stickslip plot runs/a --against RUN_DIR"),
+        ] {
+            assert_eq!(renewal(name, Path::new("runs/a")), command);
+        }
+        let names = ["surface.png", "surface.svg"].map(str::to_owned);
+        assert_eq!(
+            line(&names, Path::new("runs/a")),
+            "surface.png, surface.svg are outdated, as the results have changed since; make them again with `stickslip plot runs/a`\n"
+        );
+    }
 }
