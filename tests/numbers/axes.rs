@@ -241,7 +241,11 @@ fn axes_and_starts_are_refused_with_the_remedy() {
                 "inputs = [\"start.velocity\"]\nstd = { \"start.velocity\" = 0.1 }\ndistribution = \"lognormal\"",
                 "",
             ),
-            &["random.distribution of start.velocity: the expected value is 0; it must be positive and finite"],
+            &[
+                "random.std of start.velocity: a ",
+                " input that scatters by ",
+                "has an expected value above 0, and here it is 0",
+            ],
         ),
     ];
     for (text, said) in cases {

@@ -396,7 +396,10 @@ fn a_standard_deviation_in_units_gives_in_each_cell_what_its_relative_one_gives(
     for (random, texts) in [
         (
             "std = { preload = 0.2, static_friction = 0.03 }",
-            &["random.std of preload", "relative standard deviation of 4"][..],
+            &[
+                "random.std of preload: 0.2 is 4.0000 times the expected value, 0.05",
+                "relative standard deviation of 4",
+            ][..],
         ),
         ("std = { preload = -0.1 }\nrelative_std = 0.1", &["random.std of preload = -0.1 is out of range"]),
         (
@@ -407,6 +410,12 @@ fn a_standard_deviation_in_units_gives_in_each_cell_what_its_relative_one_gives(
         place.write("job.toml", &scattered("0.05", random, exact));
         place.run("check job.toml").refused(65, texts);
     }
+    // No number is so many times an expected value of 0.
+    place.write("job.toml", &scattered("[0.05, 0]", "std = { preload = 0.01, static_friction = 0.03 }", exact));
+    let refused = place.run("check job.toml").refused(65, &[
+        "random.std of preload: a normal input that scatters by 0.01 has an expected value above 0, and here it is 0; give it one above 0, or leave it out of random.inputs",
+    ]);
+    assert!(!refused.stderr.contains("inf"), "{}", refused.stderr);
 }
 
 #[test]
@@ -421,4 +430,13 @@ fn a_parameter_of_matrices_scatters_by_its_own_unit() {
     // The normal distribution function at -1/6.
     assert!((table.column("p_unstable")[0] - 0.433_816_167_389).abs() < 1e-6, "{:?}", table.column("p_unstable"));
     assert_eq!(table.column("std_friction"), [0.3]);
+    // Around 0, too, unless the distribution has positive values only.
+    let around = job.replace("friction = 0.7", "friction = 0");
+    place.write("around.toml", &around);
+    place.run("check around.toml").done();
+    let positive = around.replace("std = {", "distribution = { friction = \"lognormal\" }\nstd = {");
+    place.write("positive.toml", &positive);
+    place.run("check positive.toml").refused(65, &[
+        "of friction: a lognormal input that scatters by 0.3 has an expected value above 0, and here it is 0; give it one above 0, or a distribution that may have any, such as normal, or leave it out",
+    ]);
 }

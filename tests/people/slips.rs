@@ -112,7 +112,10 @@ fn a_unit_behind_a_number_is_converted() {
     }
     refused_once(
         &with("friction = 0.7", "friction = \"700 mm\""),
-        &["model.parameters.friction: 700 mm has a unit", "700 mm = 0.7 m"],
+        &[
+            "model.parameters.friction: 700 mm has a unit; write the number alone, in the unit of the parameter (",
+            "700 mm = 0.7 m",
+        ],
     );
 }
 

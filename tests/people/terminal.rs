@@ -121,7 +121,7 @@ fn what_people_type_is_answered_in_their_words() {
         ("preload = −0.1", "−0.1 has a dash that is no minus sign; write preload = -0.1"),
         (
             "rotating_speed = 143rpm",
-            "write the number alone, in the unit that `stickslip parameters` lists; 143 rpm = 14.974925 rad/s",
+            "write the number alone, in the unit of the parameter (`stickslip parameters` lists those of the pad on the disc); 143 rpm = 14.974925 rad/s",
         ),
     ] {
         place.write("job.toml", &job(line));

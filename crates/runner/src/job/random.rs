@@ -186,25 +186,39 @@ impl RandomInputSet {
             };
             let expected = grid.values_of(input);
             let all = self.relative_stds.iter().flat_map(|stds| expected.iter().map(move |&value| (stds, value)));
-            let checked = all.into_iter().try_for_each(|(stds, value)| check(stds, value));
-            complaints.take(checked.map_err(|error| {
+            let refused = |(stds, value): (&Vec<f64>, f64)| check(stds, value).map_err(|error| (error, stds[i], value));
+            complaints.take(all.into_iter().try_for_each(refused).map_err(|(error, std, value)| {
                 let (key, span) = match error {
-                    _ if self.is_absolute[i] && span.is_none() => ("std", random.std.as_ref().map(Spanned::span)),
+                    MarginalError::NoInterval { .. }
+                    | MarginalError::IntervalTooFar { .. }
+                    | MarginalError::Mode { .. }
+                    | MarginalError::BetaEnds { .. } => ("distribution", span),
+                    _ if self.is_absolute[i] => ("std", random.std.as_ref().map(Spanned::span)),
                     MarginalError::NormalTooWide { .. } => {
                         ("relative_std", random.relative_std.as_ref().map(Spanned::span))
                     }
                     _ => ("distribution", span),
                 };
-                let hint = match error {
-                    _ if self.is_absolute[i] => String::new(),
-                    MarginalError::NormalTooWide { value }
-                    | MarginalError::UniformTooWide { value }
-                    | MarginalError::TruncatedTooWide { value, .. }
-                    | MarginalError::TriangularTooWide { value, .. }
-                    | MarginalError::BetaStd { value, .. } => as_percentage(value),
-                    _ => String::new(),
+                let said = match error {
+                    MarginalError::Expected { .. } if self.is_absolute[i] => {
+                        let other = if is_of_pair { "" } else { ", or a distribution that may have any, such as normal" };
+                        format!(
+                            "a {} input that scatters by {std} has an expected value above 0, and here it is {value}; give it one above 0{other}, or leave it out of random.inputs",
+                            marginal.name()
+                        )
+                    }
+                    MarginalError::RelativeStd { value: relative }
+                    | MarginalError::NormalTooWide { value: relative }
+                    | MarginalError::UniformTooWide { value: relative }
+                    | MarginalError::TruncatedTooWide { value: relative, .. }
+                    | MarginalError::TriangularTooWide { value: relative, .. }
+                    | MarginalError::BetaStd { value: relative, .. } => match self.is_absolute[i] {
+                        true => format!("{std} is {relative:.4} times the expected value, {value}: {error}"),
+                        false => format!("{error}{}", as_percentage(relative)),
+                    },
+                    _ => error.to_string(),
                 };
-                Complaint::maybe_at(span, format!("random.{key} of {}: {error}{hint}", quantity.name))
+                Complaint::maybe_at(span, format!("random.{key} of {}: {said}", quantity.name))
             }));
         }
     }
