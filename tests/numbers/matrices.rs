@@ -495,6 +495,29 @@ fn a_run_whose_matrices_were_moved_is_read_as_before_and_goes_on_from_where_they
 }
 
 #[test]
+fn a_job_is_kept_apart_from_a_run_whose_matrices_were_moved_and_names_its_own_that_are_gone() {
+    let place = Place::new();
+    place.write("friction.mtx", &friction_file(-1.5));
+    let job = job_of_file("", "samples = 1000");
+    let before = submitted(&place, "run", &job).digest();
+    std::fs::create_dir(place.path("now")).unwrap();
+    std::fs::rename(place.path("friction.mtx"), place.path("now/friction.mtx")).unwrap();
+    // Its own are gone: nothing is begun, and the file is named.
+    place
+        .run("submit run.toml --out run --apart")
+        .refused(65, &["run.toml:", "model.stiffness[1]", "friction.mtx", "No such file"]);
+    let here = job.replace("friction.mtx", "now/friction.mtx");
+    place.write("other.toml", &here.replace("samples = 1000", "samples = 1000\nseed = 7"));
+    let apart = place.run("submit other.toml --out run --apart").done();
+    assert!(apart.stderr.contains("run holds a run of another job; this one goes to run-"), "{}", apart.stderr);
+    // The same job goes on where it is.
+    place.write("same.toml", &here);
+    let same = place.run("submit same.toml --out run --apart").done();
+    assert!(!same.stderr.contains("another job"), "{}", same.stderr);
+    assert_eq!(Table::read(&place.path("run/surface.parquet")).digest(), before);
+}
+
+#[test]
 #[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn what_needs_the_matrices_is_left_out_where_they_were_moved() {
     let (place, _) = runs_of_a_moved_file("samples = 2000");

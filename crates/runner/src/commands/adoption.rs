@@ -119,23 +119,28 @@ pub fn apart(out: &Path, job: &Job) -> Result<RunDirectory, Failure> {
     RunDirectory::create(&beside, Access::Alone, AN_INSTANT)
 }
 
-/// The directory `out`, unless it holds a run of another job.
+/// The directory `out`, unless it holds a run of another job. Files that this run names, such as its matrices, may be gone.
 fn unless_of_another(out: &Path, job: &Job) -> Result<Option<RunDirectory>, Failure> {
-    let is_another = |existing: &Job| existing.experiment_hash() != job.experiment_hash();
+    let is_of_another = |directory: &RunDirectory| {
+        directory.job_to_read().is_ok_and(|existing| existing.experiment_hash() != job.experiment_hash())
+    };
     let started = Instant::now();
     loop {
         let busy = match RunDirectory::create(out, Access::Alone, AN_INSTANT) {
-            Ok(directory) if directory.job().as_ref().is_ok_and(is_another) => return Ok(None),
-            Ok(directory) => return Ok(Some(directory)),
+            Ok(directory) => return Ok(Some(directory).filter(|directory| !is_of_another(directory))),
             Err(busy) if busy.is_in_use() => busy,
             Err(other) => return Err(other),
         };
-        match RunDirectory::view(out).and_then(|directory| directory.job()) {
-            Ok(existing) if is_another(&existing) => return Ok(None),
-            // The other process may be about to freeze its job.
-            Err(_) if started.elapsed() < PATIENCE => thread::sleep(PAUSE),
-            _ => return Err(busy),
+        let viewed = RunDirectory::view(out).ok();
+        if viewed.as_ref().is_some_and(is_of_another) {
+            return Ok(None);
         }
+        // The other process may be about to freeze its job.
+        let has_job = viewed.is_some_and(|directory| !matches!(directory.job_source(), Ok(None)));
+        if has_job || started.elapsed() >= PATIENCE {
+            return Err(busy);
+        }
+        thread::sleep(PAUSE);
     }
 }
 
