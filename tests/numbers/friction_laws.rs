@@ -223,6 +223,45 @@ fn a_noisy_curve_is_warned_of_with_the_ranges_that_the_grid_does_not_show() {
 }
 
 #[test]
+fn speeds_between_those_of_a_pad_job_at_which_a_measured_curve_falls_are_named() {
+    let place = Place::new();
+    // Between 1.6 and 2.3 m/s and between 3.0 and 3.8 m/s, under a pad whose disc is 0.135 m in radius.
+    place.write("curve.csv", "speed,coefficient\n0,0.4\n1.6,0.402\n2.3,0.352\n3,0.354\n3.8,0.3\n6,0.302\n");
+    let text = job("law = \"table\"\ntable = \"curve.csv\"")
+        .replace("rotating_speed = [2, 8]", "rotating_speed = [10, 20, 30]")
+        .replace("kind = \"time-domain\"\ndisc = \"rigid\"", "kind = \"eigenvalue\"");
+    place.write("job.toml", &text);
+    let json: serde_json::Value =
+        serde_json::from_str(&place.run("analyse --job job.toml --json").done().stdout).unwrap();
+    let ranges: Vec<[f64; 2]> = serde_json::from_value(json["unstable_speeds"].clone()).unwrap();
+    let falls = [[1.6, 2.3], [3.0, 3.8]].map(|ends| ends.map(|speed| speed / 0.135));
+    assert_eq!(ranges.len(), 2, "{ranges:?}");
+    for ([from, to], [first, last]) in ranges.iter().zip(falls) {
+        assert!((first..first + 0.5).contains(from) && (last - 0.5..=last).contains(to), "{ranges:?} {falls:?}");
+    }
+    let listed: Vec<String> = ranges.iter().map(|[from, to]| format!("{from:.2} to {to:.2}")).collect();
+    let warning = format!(
+        "steady sliding on a rigid disc is unstable in 2 ranges of speed between two values of axes.rotating_speed, so that \
+         no cell shows them: {} rad/s (with the other values of cell 1)",
+        listed.join(", ")
+    );
+    let curve = "6 rows from 0 to 6.000 m/s; from row to row it falls twice and rises 3 times";
+    let checked = place.run("check job.toml").done();
+    let analysed = place.run("analyse --job job.toml").done();
+    assert!(checked.stdout.contains(&format!("# friction curve: {curve}\n")), "{}", checked.stdout);
+    let at = format!("unstable at rotating_speed {} rad/s\n", listed.join(", "));
+    assert!(checked.stdout.contains(&at), "{at}: {}", checked.stdout);
+    assert!(analysed.stdout.contains(&format!("friction curve     {curve}\n")), "{}", analysed.stdout);
+    let submitted = place.run("submit job.toml").done();
+    for said in [checked.stderr, submitted.stderr, analysed.stderr] {
+        assert!(said.contains(&warning), "{warning:?} is not in: {said}");
+    }
+    // With values in both ranges there is nothing to warn of.
+    place.write("fine.toml", &text.replace("[10, 20, 30]", "[10, 15, 20, 25, 30]"));
+    assert!(!place.run("check fine.toml").done().stderr.contains("warning: "));
+}
+
+#[test]
 fn a_curve_in_millimetres_and_negative_friction_are_warned_of() {
     let place = Place::new();
     let checked = |curve: &str, scatter: &str| {

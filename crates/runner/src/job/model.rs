@@ -57,6 +57,13 @@ pub trait JobModel: Debug + Send + Sync {
         Vec::new()
     }
 
+    /// The one of them about speeds at which steady sliding is unstable on a measured friction curve, and which lie between
+    /// the values of an axis.
+    fn hidden_speeds(&self, grid: &Grid) -> Option<String> {
+        let _ = grid;
+        None
+    }
+
     /// What `check` says of the expected values, in lines.
     fn remarks(&self, grid: &Grid) -> String {
         let _ = grid;

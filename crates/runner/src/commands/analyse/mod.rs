@@ -42,6 +42,7 @@ pub fn analyse(arguments: &AnalyseArguments) -> Result<(), Failure> {
         let modes = ModesAtPoint::new(job, cell, &arguments.brake.set)?;
         return result(&if arguments.json { format!("{:#}\n", modes.json()) } else { modes.text() });
     }
+    warn(chosen.as_ref().and_then(|(job, _)| job.model.hidden_speeds(&job.grid)));
     let OneBrake { brake, model } = OneBrake::in_cell(chosen, &arguments.brake.set)?;
     let analysis = Analysis::new(brake, model.and_then(|model| model.modes()));
     warn(analysis.coupled.iter().filter_map(|coupled| coupled.too_few).map(plausibility::of_modes));

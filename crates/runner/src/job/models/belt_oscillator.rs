@@ -562,13 +562,18 @@ impl JobModel for BeltJob {
     }
 
     fn warnings(&self, grid: &Grid, random: &RandomInputSet) -> Vec<String> {
-        let (Some((curve, speeds)), Some(place)) = (self.unstable_speeds(grid), self.belt_speed()) else {
+        let (Some((curve, _)), Some(place)) = (self.unstable_speeds(grid), self.belt_speed()) else {
             return Vec::new();
         };
         let mut warnings = measured_friction::doubts(&curve, grid.extremes_of(place)[1]);
         warnings.extend(measured_friction::vanishing(&curve, self.0.quantities(), grid, random));
-        warnings.extend(grid.axis_of(place).and_then(|axis| speeds.doubt(&curve, axis.values())));
+        warnings.extend(self.hidden_speeds(grid));
         warnings
+    }
+
+    fn hidden_speeds(&self, grid: &Grid) -> Option<String> {
+        let (curve, speeds) = self.unstable_speeds(grid)?;
+        speeds.doubt(&curve, grid.axis_of(self.belt_speed()?)?.values())
     }
 
     fn remarks(&self, grid: &Grid) -> String {

@@ -279,9 +279,7 @@ impl JobModel for PadJob {
         let mut warnings = plausibility::of_job(parameters, quantities, grid);
         let curve = parameters.friction.law.table();
         warnings.extend(curve.and_then(|curve| measured_friction::vanishing(curve, quantities, grid, random)));
-        if let (Some((curve, speeds)), Some(axis)) = (self.unstable_speeds(grid), grid.axis_of(ROTATING_SPEED)) {
-            warnings.extend(speeds.doubt(curve, axis.values()));
-        }
+        warnings.extend(self.hidden_speeds(grid));
         let criterion = self.model.criterion();
         if let Criterion::TimeDomain { settings, .. } = criterion {
             warnings.extend(plausibility::of_displacement("criterion.displacement", settings.displacement));
@@ -292,6 +290,11 @@ impl JobModel for PadJob {
             "{uncovered}, the limit up to which verdicts in time were tested. They may be right beyond it; look at single samples with `stickslip trajectory`, and compare the run with one of a tenfold criterion.horizon (`stickslip compare`)"
         )));
         warnings
+    }
+
+    fn hidden_speeds(&self, grid: &Grid) -> Option<String> {
+        let (curve, speeds) = self.unstable_speeds(grid)?;
+        speeds.doubt(curve, grid.axis_of(ROTATING_SPEED)?.values())
     }
 
     fn no_limit_axis(&self, name: &str) -> Option<String> {
