@@ -86,6 +86,45 @@ fn the_target_is_answered_first_for_each_combination() {
 }
 
 #[test]
+fn numbers_and_axes_in_another_form_are_answered_with_the_right_one() {
+    let place = Place::new();
+    let start = "criterion]\nkind = \"time-domain\"\ndisc = \"rigid\"\nstart = { velocity = 0.1 }";
+    let start = EXACT.replace("criterion]\nkind = \"eigenvalue\"", start);
+    place.write("exact.toml", EXACT);
+    place.write("start.toml", &start.replace("method = \"exact\"", "samples = 10"));
+    for (words, texts) in [
+        ("limit exact.toml --of preload --probability 5", vec!["did you mean 0.05 (5 %)?"]),
+        ("limit exact.toml --of preload --probability 5%", vec!["5% is in per cent; write 0.05"]),
+        ("limit exact.toml --of preload --probability 0,05", vec!["0,05 has a decimal comma; write 0.05"]),
+        (
+            "limit exact.toml --of preload --probability 0.05 --probability 5e-2",
+            vec!["--probability 0.05 is given twice; give it once"],
+        ),
+        (
+            "limit exact.toml --of relative_std --probability 0.05",
+            vec!["--of relative_std: limits are sought along expected values", "rotating_speed, preload)"],
+        ),
+        (
+            "limit start.toml --of start.velocity --probability 0.05",
+            vec!["--of start.velocity: limits are sought along the brake", "a number of the start", "preload)"],
+        ),
+        ("analyse pad.mass=0.2", vec!["pad.mass=0.2: there is no such job or run", "write --set pad.mass=0.2"]),
+        ("analyse --set pad.mass=", vec!["--set pad.mass=: there is no number; write one"]),
+        ("analyse --set pad.mass=20%", vec!["20% is in per cent; write 0.2"]),
+        ("analyse --set pad.mass=−0.2", vec!["−0.2 has a dash that is no minus sign; write -0.2"]),
+        ("analyse exact.toml --cell -1", vec!["--cell", "write a whole number"]),
+        ("plot runs/none --cell one", vec!["--cell", "write a whole number"]),
+        ("trajectory --horizon long", vec!["--horizon", "\"long\" is not a number"]),
+        ("trajectory --disc-modes many", vec!["--disc-modes", "write a whole number"]),
+        ("trajectory --start velocity=fast", vec!["velocity=fast: \"fast\" is not a number"]),
+        ("submit exact.toml --at rotating_speed=143rpm", vec!["143 rpm = 14.974925 rad/s"]),
+        ("merge runs/none --wait soon", vec!["--wait", "write a whole number"]),
+    ] {
+        place.run(words).refused(64, &texts);
+    }
+}
+
+#[test]
 fn many_combinations_end_with_a_line_each_and_more_with_one() {
     let place = Place::new();
     place.write("exact.toml", &(EXACT.to_owned() + "[target]\nprobability = 0.05\n"));

@@ -88,6 +88,32 @@ pub fn number_with_unit(text: &str) -> Option<String> {
     Some(format!("{text} has a unit; write the number alone, in the unit of the parameter ({listed}){same}"))
 }
 
+/// What is wrong with a text that should be a number and cannot be read as one.
+pub fn not_a_number(text: &str) -> String {
+    if text.is_empty() {
+        return "there is no number; write one, for example 0.4".to_owned();
+    }
+    let otherwise = [
+        ("a decimal comma", text.replacen(',', ".", 1)),
+        ("a dash that is no minus sign", text.replace(['−', '–', '—'], "-")),
+        ("an underscore", text.replace('_', "")),
+    ];
+    if let Some((what, right)) = otherwise.iter().find(|(_, right)| right.parse::<f64>().is_ok()) {
+        return format!("{text} has {what}; write {right}");
+    }
+    let percent = text.strip_suffix('%').and_then(|number| number.trim().parse::<f64>().ok());
+    match percent {
+        Some(percent) => format!("{text} is in per cent; write {}", hundredth(percent)),
+        None => number_with_unit(text).unwrap_or_else(|| format!("{text:?} is not a number")),
+    }
+}
+
+/// A hundredth of a number, with the digits that it has.
+pub fn hundredth(number: f64) -> f64 {
+    let hundredth = number / 100.0;
+    format!("{hundredth:.12e}").parse().unwrap_or(hundredth)
+}
+
 /// Two numbers as a range; one where they look alike.
 pub fn range(from: f64, to: f64) -> String {
     let (from, to) = (significant(from), significant(to));
@@ -112,6 +138,23 @@ mod tests {
         for text in ["143", "abc", "1e4", "0.1:0.2", "[1 2]", "1, 2 m", "2 = m"] {
             assert_eq!(number_with_unit(text), None, "{text}");
         }
+    }
+
+    #[test]
+    fn what_is_no_number_is_answered_with_one() {
+        for (text, said) in [
+            ("", "there is no number; write one, for example 0.4"),
+            ("0,4", "0,4 has a decimal comma; write 0.4"),
+            ("−0.4", "−0.4 has a dash that is no minus sign; write -0.4"),
+            ("1_000.5", "1_000.5 has an underscore; write 1000.5"),
+            ("7 %", "7 % is in per cent; write 0.07"),
+            ("40%", "40% is in per cent; write 0.4"),
+            ("a tenth", "\"a tenth\" is not a number"),
+            ("1/3", "\"1/3\" is not a number"),
+        ] {
+            assert_eq!(not_a_number(text), said);
+        }
+        assert!(not_a_number("143rpm").starts_with("143rpm has a unit; "));
     }
 
     #[test]

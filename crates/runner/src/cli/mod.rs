@@ -36,7 +36,7 @@ pub use self::plot::{PlotArguments, PlotQuantity};
 pub use self::reduction::ReduceArguments;
 pub use self::start::StartArgument;
 pub use self::threads::ThreadsArgument;
-use self::values::{html_file, parquet_file, seed, whole_number};
+use self::values::{html_file, number, parquet_file, seed, whole_number};
 pub use self::words::other_word;
 use crate::export::format::Format;
 use crate::messages::Form;
@@ -220,10 +220,10 @@ pub struct ReplayArguments {
     #[arg(value_name = "RUN_DIR")]
     pub run: PathBuf,
     /// The cell, by its number in the column `cell`
-    #[arg(long, value_name = "I", value_parser = whole_number)]
+    #[arg(long, value_name = "I", value_parser = whole_number, allow_negative_numbers = true)]
     pub cell: u64,
     /// The sample of that cell, numbered from 0
-    #[arg(long, value_name = "J", value_parser = whole_number)]
+    #[arg(long, value_name = "J", value_parser = whole_number, allow_negative_numbers = true)]
     pub sample: u64,
     #[command(flatten)]
     pub motion: MotionArguments,
@@ -236,7 +236,7 @@ pub struct SamplesArguments {
     #[arg(value_name = "RUN_DIR")]
     pub run: PathBuf,
     /// The cell, by its number in the column `cell`
-    #[arg(long, value_name = "I", value_parser = whole_number)]
+    #[arg(long, value_name = "I", value_parser = whole_number, allow_negative_numbers = true)]
     pub cell: u64,
     /// The file to write [default: samples-I.parquet in the run directory]
     #[arg(long, value_name = "FILE.parquet", value_parser = parquet_file)]
@@ -258,7 +258,7 @@ pub struct CompareArguments {
     #[arg(long, value_name = "FILE.parquet", value_parser = parquet_file)]
     pub out: Option<PathBuf>,
     /// Confidence that all intervals of the differences hold together
-    #[arg(long, value_name = "C", default_value_t = 0.95, allow_negative_numbers = true)]
+    #[arg(long, value_name = "C", default_value_t = 0.95, value_parser = number, allow_negative_numbers = true)]
     pub confidence: f64,
     /// Let the confidence hold for each cell by itself, not for all together
     #[arg(long)]
@@ -325,7 +325,13 @@ pub struct MergeArguments {
     #[arg(value_name = "RUN_DIR")]
     pub run: PathBuf,
     /// How long to wait for shards that are still at work
-    #[arg(long, value_name = "SECONDS", default_value_t = WAIT)]
+    #[arg(
+        long,
+        value_name = "SECONDS",
+        default_value_t = WAIT,
+        value_parser = whole_number,
+        allow_negative_numbers = true
+    )]
     pub wait: u64,
     #[command(flatten)]
     pub asked: AskedArguments,

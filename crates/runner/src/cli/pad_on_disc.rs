@@ -6,7 +6,7 @@ use clap::{Args, ValueEnum};
 use stickslip_core::models::pad_on_disc::finite_difference::brake::DiscGrid;
 
 use super::start::{StartArgument, start};
-use super::values::{parquet_file, plot_file, whole_number};
+use super::values::{count, number, parquet_file, plot_file, whole_number};
 
 /// Arguments of `parameters`.
 #[derive(Debug, Args)]
@@ -26,7 +26,7 @@ pub struct BrakeArguments {
     #[arg(long, value_name = "JOB.toml|RUN_DIR", group = "of_a_job")]
     pub job: Option<PathBuf>,
     /// The cell of the job whose expected values are taken [default: the middle of its axes]
-    #[arg(long, value_name = "I", value_parser = whole_number, requires = "of_a_job")]
+    #[arg(long, value_name = "I", value_parser = whole_number, allow_negative_numbers = true, requires = "of_a_job")]
     pub cell: Option<u64>,
     /// Change a value, for example friction.static_coefficient=0.45, or one of the model of the job by its name, for example
     /// belt_speed=1.2; may be repeated
@@ -57,7 +57,7 @@ pub struct TrajectoryArguments {
     pub disc: Option<DiscArgument>,
     /// Number of modes of the flexible disc, lowest frequencies first [default: the job's, or as many as the growth rate
     /// needs]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = count, allow_negative_numbers = true)]
     pub disc_modes: Option<usize>,
     /// Grid of the finite-difference disc: radial intervals, elements under the pad (6 N around the disc) [default:
     /// 8x8]
@@ -72,7 +72,7 @@ pub struct TrajectoryArguments {
     #[arg(long, value_name = "START", value_parser = start)]
     pub start: Option<StartArgument>,
     /// Relative displacement from the equilibrium at the start [default: the job's, or 0.01]
-    #[arg(long, value_name = "D", allow_negative_numbers = true)]
+    #[arg(long, value_name = "D", value_parser = number, allow_negative_numbers = true)]
     pub displacement: Option<f64>,
     #[command(flatten)]
     pub motion: MotionArguments,
@@ -82,7 +82,7 @@ pub struct TrajectoryArguments {
 #[derive(Debug, Args)]
 pub struct MotionArguments {
     /// Scaled time to simulate [default: 500]
-    #[arg(long, value_name = "T", allow_negative_numbers = true)]
+    #[arg(long, value_name = "T", value_parser = number, allow_negative_numbers = true)]
     pub horizon: Option<f64>,
     /// Write the time series to a Parquet file
     #[arg(long, value_name = "FILE.parquet", value_parser = parquet_file)]

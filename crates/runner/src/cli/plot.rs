@@ -19,7 +19,7 @@ pub struct PlotArguments {
     pub of: PlotQuantity,
     /// The cell to draw: with --of sobol [default: all of few cells, else the one whose probability is nearest 0.5], with
     /// what is drawn of one cell [default: the middle of the axes]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = whole_number, allow_negative_numbers = true)]
     pub cell: Option<u64>,
     /// The recorded result: with --of sobol the one whose variance is shared out [default: the verdict], with --of
     /// distribution the one that is drawn [default: the first]

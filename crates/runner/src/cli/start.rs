@@ -5,6 +5,7 @@ use stickslip_core::models::pad_on_disc::motion::start::{GivenStart, Start, Star
 use stickslip_core::models::pad_on_disc::motion::start_value::StartValue;
 
 use crate::job::StartKind;
+use crate::units::not_a_number;
 
 /// A start as typed.
 #[derive(Debug, Clone)]
@@ -57,7 +58,7 @@ fn given_start(text: &str) -> Result<GivenStart, String> {
             Some((name, value)) => {
                 let known = StartValue::ALL.into_iter().find(|number| number.name() == name);
                 let number = known.ok_or_else(|| format!("there is no {name:?}; {STARTS}"))?;
-                let parsed = value.parse().map_err(|_| format!("{name}={value}: {value:?} is not a number"))?;
+                let parsed = value.parse().map_err(|_| format!("{name}={value}: {}", not_a_number(value)))?;
                 if number.value_in(&start).is_some() {
                     return Err(format!("{name} is given twice"));
                 }

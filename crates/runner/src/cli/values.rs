@@ -2,6 +2,13 @@
 
 use std::path::PathBuf;
 
+use crate::units::{hundredth, not_a_number};
+
+/// A number.
+pub fn number(text: &str) -> Result<f64, String> {
+    text.trim().parse().map_err(|_| not_a_number(text.trim()))
+}
+
 /// A whole number as a job spec writes it, 10000, 10_000 or 1e4.
 pub fn whole_number(text: &str) -> Result<u64, String> {
     /// Beyond this, numbers with a point are not whole numbers one by one.
@@ -11,6 +18,11 @@ pub fn whole_number(text: &str) -> Result<u64, String> {
     let with_exponent = || plain.parse().ok().filter(whole).map(|number: f64| number as u64);
     let number = plain.parse().ok().or_else(with_exponent);
     number.ok_or_else(|| "write a whole number, for example 10000, 10_000 or 1e4".to_owned())
+}
+
+/// A whole number of things in memory.
+pub fn count(text: &str) -> Result<usize, String> {
+    usize::try_from(whole_number(text)?).map_err(|_| format!("{text} is too large"))
 }
 
 /// A number of threads.
@@ -28,8 +40,15 @@ pub fn seed(text: &str) -> Result<u64, String> {
 
 /// A probability that may be reached, neither impossible nor certain.
 pub fn probability(text: &str) -> Result<f64, String> {
-    let probability = text.parse().ok().filter(|&probability: &f64| 0.0 < probability && probability < 1.0);
-    probability.ok_or_else(|| "a probability is greater than 0 and less than 1, for example 0.01 for 1 %".to_owned())
+    const RANGE: &str = "a probability is greater than 0 and less than 1, for example 0.01 for 1 %";
+    match number(text) {
+        Ok(probability) if 0.0 < probability && probability < 1.0 => Ok(probability),
+        Ok(percent) if (1.0..100.0).contains(&percent) => {
+            Err(format!("{RANGE}; did you mean {} ({percent} %)?", hundredth(percent)))
+        }
+        Ok(_) => Err(RANGE.to_owned()),
+        Err(why) => Err(format!("{why}; {RANGE}")),
+    }
 }
 
 /// A time since the start of a motion.
@@ -40,10 +59,12 @@ pub fn seconds(text: &str) -> Result<f64, String> {
 
 /// An axis with a value on it.
 pub fn axis_value(text: &str) -> Result<(String, f64), String> {
-    let parts = text.split_once('=').map(|(name, value)| (name.trim().to_owned(), value.trim().parse::<f64>()));
-    match parts {
-        Some((name, Ok(value))) if value.is_finite() => Ok((name, value)),
-        _ => Err("an axis and a number on it are written as in rotating_speed=15".to_owned()),
+    const FORM: &str = "an axis and a number on it are written as in rotating_speed=15";
+    let Some((name, value)) = text.split_once('=') else { return Err(FORM.to_owned()) };
+    match number(value) {
+        Ok(value) if value.is_finite() => Ok((name.trim().to_owned(), value)),
+        Ok(_) => Err(FORM.to_owned()),
+        Err(why) => Err(format!("{why}; {FORM}")),
     }
 }
 
@@ -71,4 +92,27 @@ fn file_named(text: &str, what: &str, extensions: &[&str]) -> Result<PathBuf, St
     }
     let names = extensions.iter().map(|extension| path.with_extension(extension).display().to_string());
     Err(format!("{what}; name it {}", names.collect::<Vec<_>>().join(" or ")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_typed_in_another_form_is_answered_with_the_right_one() {
+        let refused = |text: &str| probability(text).unwrap_err();
+        assert!(refused("5").ends_with("; did you mean 0.05 (5 %)?"), "{}", refused("5"));
+        assert!(refused("5%").starts_with("5% is in per cent; write 0.05; "), "{}", refused("5%"));
+        assert!(refused("0,05").starts_with("0,05 has a decimal comma; write 0.05; "), "{}", refused("0,05"));
+        for text in ["0", "-0.1", "100", "nan", "1e-400"] {
+            assert_eq!(refused(text), "a probability is greater than 0 and less than 1, for example 0.01 for 1 %");
+        }
+        let refused = |text: &str| axis_value(text).unwrap_err();
+        assert!(refused("rotating_speed=143rpm").contains("143 rpm = 14.974925 rad/s"));
+        assert!(refused("preload=").starts_with("there is no number; "), "{}", refused("preload="));
+        assert_eq!(refused("preload"), "an axis and a number on it are written as in rotating_speed=15");
+        assert_eq!(axis_value(" preload = 0.1 "), Ok(("preload".to_owned(), 0.1)));
+        assert_eq!([count("3"), count("1e3")], [Ok(3), Ok(1000)]);
+        assert_eq!(number("1e-3"), Ok(1e-3));
+    }
 }

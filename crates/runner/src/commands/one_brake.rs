@@ -146,7 +146,7 @@ pub fn changed_values(job: &Job, values: &[f64], changes: &[String]) -> Result<V
             return Err(refused(format!("{name} is set a second time; leave one of the two out")));
         }
         changed.push(place);
-        let number: f64 = value.parse().map_err(|_| refused(not_a_number(value)))?;
+        let number: f64 = value.parse().map_err(|_| refused(units::not_a_number(value)))?;
         let Quantity { name, limits, .. } = job.quantity(place);
         let is_whole = *name != *BAND || number.fract() == 0.0;
         if !(number.is_finite() && limits.contain(number) && is_whole) {
@@ -182,7 +182,7 @@ fn changed(mut parameters: Parameters, changes: &[String]) -> Result<PadOnDisc, 
         if ["friction.law", "friction.table", "friction.smoothing"].contains(&key) {
             continue;
         }
-        let number: f64 = value.parse().map_err(|_| refused(not_a_number(value)))?;
+        let number: f64 = value.parse().map_err(|_| refused(units::not_a_number(value)))?;
         if key == preload_force::KEY {
             force = Some((change, number));
             continue;
@@ -242,13 +242,4 @@ fn use_law(changed: &[(&str, &str)], parameters: &mut Parameters) -> Result<(), 
         }
     }
     check_band(friction, false).map_err(refused)
-}
-
-/// What is wrong with the value of a parameter that cannot be read.
-pub fn not_a_number(value: &str) -> String {
-    let with_point = value.replacen(',', ".", 1);
-    match with_point.parse::<f64>() {
-        Ok(_) => format!("{value} has a decimal comma; write {with_point}"),
-        Err(_) => units::number_with_unit(value).unwrap_or_else(|| format!("{value:?} is not a number")),
-    }
 }

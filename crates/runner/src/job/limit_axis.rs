@@ -39,8 +39,16 @@ impl LimitAxis {
         let place = job.model().place(name);
         let Some(axis) = axes.into_iter().find(|axis| Some(axis.quantity) == place) else {
             return Err(match place {
+                Some(place) if job.quantity(place).role == Role::Start => format!(
+                    "limits are sought along the brake and its operating point, and this is a number of the start (the job \"{}\": {several})",
+                    job.name
+                ),
                 Some(_) => format!(
                     "the job \"{}\" has no such axis ({several}); give it two values or more under [axes], between which the limit is sought",
+                    job.name
+                ),
+                None if ["std", "relative_std"].contains(&name) || name.starts_with("std_") => format!(
+                    "limits are sought along expected values, and this is a scatter (the job \"{}\": {several}); read p_high of each standard deviation in surface.parquet",
                     job.name
                 ),
                 None => job.model.no_limit_axis(name).unwrap_or_else(|| {

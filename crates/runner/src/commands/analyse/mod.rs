@@ -10,6 +10,8 @@ mod oscillator;
 
 mod modes;
 
+use std::path::Path;
+
 use self::modes::ModesAtPoint;
 use self::oscillator::Oscillator;
 use self::point::Analysis;
@@ -17,10 +19,16 @@ use super::one_brake::{OneBrake, cell_of, changed_values, chosen_cell};
 use crate::cli::AnalyseArguments;
 use crate::failure::Failure;
 use crate::job::plausibility;
-use crate::output::{result, warn};
+use crate::output::{quoted, result, warn};
 
 /// `stickslip analyse`.
 pub fn analyse(arguments: &AnalyseArguments) -> Result<(), Failure> {
+    let change = arguments.place.as_deref().filter(|place| !place.exists()).and_then(Path::to_str);
+    if let Some(change) = change.filter(|change| change.contains('=')) {
+        let remedy = format!("--set {}", quoted(Path::new(change)));
+        let message = format!("{change}: there is no such job or run; to change a value, write {remedy}");
+        return Err(Failure::Usage(message).remedied(remedy));
+    }
     let chosen = match &arguments.place {
         Some(path) => Some(cell_of(path, arguments.brake.cell)?),
         None => chosen_cell(&arguments.brake)?,

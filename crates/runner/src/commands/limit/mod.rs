@@ -28,6 +28,10 @@ pub fn limit(arguments: &LimitArguments, interrupt: &Interrupt) -> Result<(), Fa
     let LimitArguments { job: path, of, probabilities, out, json, threads } = arguments;
     let directory = path.is_dir().then(|| RunDirectory::view(path)).transpose()?;
     let job = directory.as_ref().map_or_else(|| read_job(path)?.job(), RunDirectory::job)?;
+    let twice = probabilities.iter().enumerate().find(|(i, probability)| probabilities[..*i].contains(probability));
+    if let Some((_, probability)) = twice {
+        return Err(Failure::Usage(format!("--probability {probability} is given twice; give it once")));
+    }
     let (of, targets) = request(&job, of.as_deref(), probabilities)?;
     let refused = |why: String| Failure::Usage(format!("--of {of}: {why}"));
     let axis = LimitAxis::named(&job, of).map_err(refused)?;
