@@ -272,34 +272,28 @@ fn brake_of_tu_berlin(place: &Place, speed: f64, s: &str, d4: &str, bands: &str)
 fn a_brake_of_finite_elements_has_the_eigenvalues_that_its_authors_print() {
     let place = Place::new();
     let pi = std::f64::consts::PI;
-    let (printed, arpack) = ("the authors' logs", "the same");
     for (speed, bands, given) in [
-        (2.0 * pi, "[[531, 532]]", &[("-2.462", "3338", printed)][..]),
+        (2.0 * pi, "[[531, 532]]", &[("-2.462", "3338")][..]),
         (
             40.0 * pi,
             "[[224, 226], [569, 570], [1565, 1566], [2711, 2712]]",
-            &[
-                ("-9.215", "1413", printed),
-                ("-3.809", "3576", printed),
-                ("-6.673", "9836", printed),
-                ("63.93", "1.704e4", printed),
-            ],
+            &[("-9.215", "1413"), ("-3.809", "3576"), ("-6.673", "9836"), ("63.93", "1.704e4")],
         ),
         (
             4.0 * pi,
             "[[224, 226], [531, 532], [2601, 2602], [2778, 2779]]",
             &[
-                ("-10.173152", "1413.56400", "ARPACK and a sparse LU factorisation"),
-                ("-2.914258", "3337.09330", arpack),
-                ("-13.587414", "16346.09452", arpack),
-                ("75.347507", "17459.93857", arpack),
+                ("-10.173152", "1413.56400"),
+                ("-2.914258", "3337.09330"),
+                ("-13.587414", "16346.09452"),
+                ("75.347507", "17459.93857"),
             ],
         ),
     ] {
         let found = brake_of_tu_berlin(&place, speed, "1", "0", bands);
         assert_eq!(found.len(), given.len(), "{found:?}");
-        for ([growth, frequency], (re, im, by)) in found.iter().zip(given) {
-            assert_on_page(&format!("| {re} + {im}i | {by} |"));
+        for ([growth, frequency], (re, im)) in found.iter().zip(given) {
+            assert_on_page(&format!("| {re} + {im}i |"));
             assert_digits(re, re, *growth);
             assert_digits(im, im, *frequency);
         }

@@ -17,7 +17,6 @@ const PAGE: &str = "docs/reference/job-spec.md";
 const ALL: &str = "<!-- keys of ";
 const THESE: &str = "<!-- these keys of ";
 const PARAMETERS: &str = "<!-- parameters -->";
-const END: &str = "<!-- end -->";
 const ANEW: &str = "STICKSLIP_UPDATE=1 cargo test -p stickslip --test people reference writes the tables anew";
 
 /// What a schema refers to, with everything that may stand in its place.
@@ -62,7 +61,6 @@ fn types(root: &Value, schema: &Value) -> String {
             match name.as_str().unwrap_or("string") {
                 "null" => {}
                 "integer" => add(&mut words, "whole number".to_owned()),
-                "boolean" => add(&mut words, "`true` or `false`".to_owned()),
                 "array" => match types(root, &choice["items"]) {
                     items if items.contains(" or ") => add(&mut words, "list of these".to_owned()),
                     items if items.starts_with("list") => add(&mut words, "list of lists".to_owned()),
@@ -105,12 +103,15 @@ fn number(number: &Value) -> String {
 /// The admissible values, if they are numbers within limits.
 fn range(root: &Value, schema: &Value) -> String {
     let limits = |schema: &Value| {
-        let ends =
-            [("minimum", "from"), ("exclusiveMinimum", "above"), ("maximum", "to"), ("exclusiveMaximum", "below")];
-        let ends = ends.into_iter().filter(|(key, _)| schema[key].is_number());
-        let words: Vec<String> = ends.map(|(key, word)| format!("{word} {}", number(&schema[key]))).collect();
-        // Schemas of whole numbers all have a zero.
-        (!words.is_empty() && words != ["from 0"]).then(|| words.join(" "))
+        let limit = |key: &str| schema[key].is_number().then(|| number(&schema[key]));
+        let lower = limit("minimum").or_else(|| Some(format!(">{}", limit("exclusiveMinimum")?)));
+        let upper = limit("maximum").or_else(|| Some(format!("<{}", limit("exclusiveMaximum")?)));
+        match (lower, upper) {
+            (Some(lower), Some(upper)) => Some(format!("{lower} to {upper}")),
+            // Schemas of whole numbers all have a zero.
+            (Some(lower), None) if lower != "0" => Some(format!("from {lower}")),
+            _ => None,
+        }
     };
     limits(schema).or_else(|| alternatives(root, schema).into_iter().find_map(limits)).unwrap_or_default()
 }
@@ -166,11 +167,23 @@ fn keys_of(root: &Value, reference: &str, page: &str, all: bool) -> String {
     let required: Vec<&str> = required.filter_map(Value::as_str).collect();
     let row = |key: &String| {
         let property = &properties[key];
-        let default =
-            if required.contains(&key.as_str()) { "required".to_owned() } else { shown(&property["default"]) };
-        [format!("`{key}`"), types(root, property), default, range(root, property), meaning(root, property)]
+        let default = match shown(&property["default"]) {
+            _ if required.contains(&key.as_str()) => "required".to_owned(),
+            none if none.is_empty() => none,
+            value => format!("default {value}"),
+        };
+        let (kind, range) = (types(root, property), range(root, property));
+        // Limits are those of numbers, and defaults show what they are.
+        let is_shown = match &*kind {
+            "number" => !range.is_empty() || default.starts_with("default"),
+            "text" | "boolean" => default.starts_with("default"),
+            _ => false,
+        };
+        let kind = if is_shown { String::new() } else { kind };
+        let value: Vec<String> = [kind, range, default].into_iter().filter(|part| !part.is_empty()).collect();
+        [format!("`{key}`"), value.join(", "), meaning(root, property)]
     };
-    table(["key", "type", "default", "range", "meaning"], &keys.iter().map(row).collect::<Vec<_>>())
+    table(["key", "value", "meaning"], &keys.iter().map(row).collect::<Vec<_>>())
 }
 
 /// The table of the parameters of the pad on the disc.
@@ -179,13 +192,18 @@ fn parameters(place: &Place) -> String {
     let row = |parameter: &Value| {
         let text = |key: &str| parameter[key].as_str().unwrap().to_owned();
         let limit = |key: &str| number(&parameter[key]);
-        let lower = if parameter["includes_minimum"] == true { "from" } else { "above" };
-        let upper = if parameter["includes_maximum"] == true { "to" } else { "below" };
-        let range = format!("{lower} {} {upper} {}", limit("minimum"), limit("maximum"));
-        [format!("`{}`", text("key")), text("symbol"), text("unit"), limit("preset"), range, text("description")]
+        let lower = if parameter["includes_minimum"] == true { "" } else { ">" };
+        let upper = if parameter["includes_maximum"] == true { "" } else { "<" };
+        let range = format!("{lower}{} to {upper}{}", limit("minimum"), limit("maximum"));
+        let preset = match &*text("unit") {
+            "1" => limit("preset"),
+            unit => format!("{} {unit}", limit("preset")),
+        };
+        let meaning = format!("{}: {}", text("symbol"), text("description"));
+        [format!("`{}`", text("key")), format!("{preset}, {range}"), meaning]
     };
     let rows: Vec<_> = listed["parameters"].as_array().unwrap().iter().map(row).collect();
-    table(["key under `[model]`", "symbol", "unit", "preset", "range", "meaning"], &rows)
+    table(["key under `[model]`", "preset, range", "meaning"], &rows)
 }
 
 /// The page with its tables made anew.
@@ -201,15 +219,15 @@ fn made_anew(page: &str) -> String {
         if reference.is_none() && line != PARAMETERS {
             continue;
         }
-        let shown: Vec<&str> = lines.by_ref().take_while(|line| *line != END).collect();
+        let shown: Vec<&str> = lines.by_ref().skip(1).take_while(|line| line.starts_with('|')).collect();
         let made = match reference {
             Some(reference) => keys_of(&root, reference, &shown.join("\n"), all.is_some()),
             None => parameters(&place),
         };
-        text += &format!("\n{made}\n{END}\n");
+        text += &format!("\n{made}\n");
         tables += 1;
     }
-    assert!(tables >= 16, "{PAGE} has only {tables} tables of keys");
+    assert!(tables >= 12, "{PAGE} has only {tables} tables of keys");
     text
 }
 

@@ -101,8 +101,7 @@ pub enum ScaleSpec {
     /// Evenly.
     #[default]
     Linear,
-    /// Each value is the same multiple of the one before; both ends must be positive. Values between the ends are
-    /// rounded to 14 digits.
+    /// Each value is the same multiple of the one before, rounded to 14 digits; both ends must be positive.
     Log,
 }
 

@@ -13,11 +13,10 @@ use toml::Spanned;
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LimitSpec {
-    /// The axis whose values are sought, between its smallest and its largest value: one of the job's with two values
-    /// or more, but not of standard deviations or of the start.
+    /// The axis along which limits are sought, between its ends: not of standard deviations or of the start.
     #[schemars(with = "String")]
     pub of: Option<Spanned<String>>,
-    /// The targets, probabilities of instability that must not be exceeded: 100 at most, each once.
+    /// Probabilities of instability that must not be exceeded, at most 100.
     #[schemars(with = "TargetsSpec")]
     pub probability: Option<Spanned<TargetsSpec>>,
 }

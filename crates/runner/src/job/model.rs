@@ -29,14 +29,12 @@ use super::spec::JobSpec;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum OutsidePhysics {
-    /// They are decided as they are: stable where nothing is pressed together, friction only rises (on a flexible disc
-    /// unless pad and disc feed each other without any fall of friction), or a measured curve has none.
+    /// They are decided as they are.
     #[default]
     Stable,
-    /// They count as failed: the deviate made them, not the model.
+    /// They count as failed.
     Failed,
-    /// They are moved to the edge of the model, where the preload or normal force is 0, f_s is f_c, or a measured curve
-    /// is 0 at rest or in steady sliding, and decided there.
+    /// They are moved to the edge of the model and decided there.
     Clamp,
 }
 

@@ -19,25 +19,24 @@ pub const LARGEST_STD: f64 = 10.0;
 #[derive(Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RandomSpec {
-    /// The inputs that scatter: `"preload"`, `"static_friction"`, `"rotating_speed"`, a parameter of the model by its
-    /// key, for example `"stiffness.contact_normal"`, or a number of the start, for example `"start.velocity"`. May be
-    /// empty: then nothing scatters, and one sample decides a cell.
+    /// The inputs that scatter: `"preload"`, `"static_friction"`, `"rotating_speed"`, keys of the model such as
+    /// `"stiffness.contact_normal"`, and numbers of the start such as `"start.velocity"`. With an empty list one sample
+    /// decides a cell.
     #[schemars(with = "Option<Vec<String>>")]
     pub inputs: Option<Spanned<Vec<Spanned<String>>>>,
-    /// Standard deviation over expected value, from 0 to what the distribution allows: 1 for a normal input. A list
-    /// makes an axis of the grid. Required with inputs, but for those with measured values, which have their own, and
-    /// those of `std`.
+    /// Standard deviation over expected value, up to what the distribution allows. A list makes an axis of the grid.
+    /// Required of inputs that are not in `std`, unless they have measured values.
     #[schemars(with = "Option<RelativeStdSpec>")]
     pub relative_std: Option<Spanned<RelativeStdSpec>>,
-    /// Standard deviations in the units of the inputs, in place of relative ones: `{ static_friction = 0.03 }`. Required
-    /// with numbers of the start and `friction.band`, which may be 0 on average. An input with measured values has its own.
+    /// Standard deviations in the units of the inputs: `{ static_friction = 0.03 }`. Required of numbers of the start
+    /// and `friction.band`, which may be 0 on average.
     #[schemars(with = "Option<BTreeMap<String, f64>>")]
     pub std: Option<Spanned<BTreeMap<Spanned<String>, Spanned<f64>>>>,
     /// The distribution of every input, or of each by name; those left out are normal.
     #[schemars(with = "Option<DistributionSpec>", extend("default" = "normal"))]
     pub distribution: Option<Spanned<DistributionSpec>>,
-    /// Correlated pairs, `[["preload", "static_friction", 0.3]]`: coefficients of the normal deviates behind the
-    /// inputs, greater than -1 and less than 1.
+    /// Correlated pairs, `[["preload", "static_friction", 0.3]]`: coefficients between -1 and 1 of the normal deviates
+    /// behind the inputs.
     #[serde(default)]
     #[schemars(schema_with = "pairs_schema")]
     pub correlation: Option<Spanned<Vec<PairSpec>>>,

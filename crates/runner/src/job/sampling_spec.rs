@@ -25,29 +25,28 @@ pub struct SamplingSpec {
     #[schemars(with = "Option<UntilSpec>")]
     pub until: Option<Spanned<UntilSpec>>,
     /// Seed of the random numbers: the same seed gives the same result on every machine. Use at most 2^63 - 1: TOML
-    /// promises no more, and `--seed` and `--samples` refuse what is beyond.
+    /// promises no more, and `--seed` takes no more.
     #[schemars(with = "Option<u64>", range(min = 0, max = u64::MAX), extend("default" = 0))]
     pub seed: Option<Spanned<u64>>,
     /// How the verdict of a sample is found.
     #[schemars(with = "Option<EvaluateMode>", extend("default" = EvaluateMode::default()))]
     pub evaluate: Option<Spanned<EvaluateMode>>,
-    /// Whether all cells draw the same deviates, so that differences between cells are less noisy.
+    /// Whether all cells draw the same deviates, which makes their differences less noisy.
     #[schemars(with = "Option<bool>", extend("default" = false))]
     pub common_random_numbers: Option<Spanned<bool>>,
     /// Confidence of the interval `p_low` to `p_high`.
     #[schemars(with = "Option<f64>", extend("default" = 0.95, "exclusiveMinimum" = 0, "exclusiveMaximum" = 1))]
     pub confidence: Option<Spanned<f64>>,
-    /// How many samples of each cell check its probability where that does not come from plain samples, 0 or from 2 to 1e8:
-    /// with a verdict map, looked-up samples that are simulated as well, or, with `evaluate = "boundary"`, which share of
-    /// them, from 0.0 to 1.0; else plain samples beside the probability (16 by default where a sample takes more than some
-    /// 10 ms).
+    /// Samples of each cell that check a probability, 0 or from 2 to 1e8: with a verdict map looked-up ones that are
+    /// simulated as well (with `evaluate = "boundary"` also as a share, 0.0 to 1.0), else plain ones (by default 16
+    /// where one takes more than some 10 ms).
     #[schemars(with = "Option<Audit>", extend("default" = AUDIT))]
     pub audit: Option<Spanned<Audit>>,
-    /// With `"sobol"`, `"conditional"` and `"importance"`: independent randomisations that share the samples, with
-    /// `"importance"` 8 at least. With `"subset"`: independent populations.
+    /// Independent randomisations that share the samples, at least 8 with `"importance"`; with `"subset"` independent
+    /// populations.
     #[schemars(with = "Option<u64>", range(min = 2, max = 1000), extend("default" = 16))]
     pub randomisations: Option<Spanned<u64>>,
-    /// With `"importance"` and `"subset"`: particles of a population; by default 300, with `"subset"` 1000.
+    /// Particles of a population, by default 300 with `"importance"` and 1000 with `"subset"`.
     #[schemars(with = "Option<u64>", range(min = 50, max = 100_000))]
     pub particles: Option<Spanned<u64>>,
     /// The interval of counted verdicts.
@@ -56,10 +55,10 @@ pub struct SamplingSpec {
     /// Whether the intervals of all cells hold together with the confidence.
     #[schemars(with = "Option<bool>", extend("default" = false))]
     pub simultaneous: Option<Spanned<bool>>,
-    /// Whether slopes of the probability are written, as further columns.
+    /// Whether slopes of the probability are written.
     #[schemars(with = "Option<bool>", extend("default" = false))]
     pub derivatives: Option<Spanned<bool>>,
-    /// Whether first-order and total Sobol indices of the inputs are written, as further columns.
+    /// Whether first-order and total Sobol indices of the inputs are written.
     #[schemars(with = "Option<bool>", extend("default" = false))]
     pub sensitivity: Option<Spanned<bool>>,
 }
@@ -71,8 +70,8 @@ pub struct SamplingSpec {
     expecting = "a table, for example until = { half_width = 0.005 } or until = { relative = 0.05 }"
 )]
 pub struct UntilSpec {
-    /// Half of the width of `p_low` to `p_high` that is wanted. This key or `relative` is required; with both, the
-    /// first that is reached counts.
+    /// Half of the width of `p_low` to `p_high`. This key or `relative` is required; with both, the first that is
+    /// reached counts.
     #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 0.5))]
     pub half_width: Option<f64>,
     /// The same over the middle of the interval.
@@ -81,7 +80,7 @@ pub struct UntilSpec {
     /// Confidence of the interval.
     #[schemars(extend("default" = 0.95, "exclusiveMinimum" = 0, "exclusiveMaximum" = 1))]
     pub confidence: Option<f64>,
-    /// Samples in a cell at most. It can be raised later.
+    /// Most samples in a cell; it can be raised later.
     #[schemars(range(min = 1, max = 1_000_000_000_000_000_u64), extend("default" = 1_000_000))]
     pub at_most: Option<u64>,
 }
@@ -115,13 +114,13 @@ pub enum SamplingMethod {
     MonteCarlo,
     /// Scrambled Sobol points.
     Sobol,
-    /// Scrambled Sobol points of all inputs but preload and static friction, and an integral over these two at each.
+    /// An integral over preload and static friction at samples of the other inputs.
     Conditional,
-    /// Scrambled Sobol points of a density that is found for each cell, with weights; for rare events.
+    /// Weighted points from where instability is frequent, for rare events.
     Importance,
-    /// Populations of samples that are led to rare events in steps.
+    /// Populations that are led to the rare event.
     Subset,
-    /// Integration over the unstable side of the boundary, without samples.
+    /// An integral over the unstable side of the boundary.
     Exact,
 }
 
@@ -139,7 +138,7 @@ pub enum EvaluateMode {
     /// Each sample is decided by itself.
     #[default]
     Each,
-    /// Looked up in a map of the verdicts; only samples within its resolution are simulated.
+    /// Looked up in a map of verdicts; samples within its resolution are simulated.
     Boundary,
 }
 
@@ -150,7 +149,6 @@ pub enum IntervalSpec {
     /// Wilson's score interval, whose coverage is right on average.
     #[default]
     Wilson,
-    /// Clopper and Pearson's, whose coverage is never below the confidence; always used where that is above 0.95, with
-    /// `simultaneous`, and for the counts beside an audit.
+    /// Clopper and Pearson's, whose coverage is never below the confidence.
     ClopperPearson,
 }

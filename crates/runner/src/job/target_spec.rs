@@ -13,11 +13,11 @@ use super::diagnosis::{Complaint, Complaints};
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TargetSpec {
-    /// The probability, above 0 and below 1. `--target` wins over it.
+    /// The probability; `--target` wins over it.
     #[schemars(with = "f64", extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 1))]
     pub probability: Option<Spanned<f64>>,
-    /// The operating point that is asked about: a value of each axis of several values, `{ preload = 0.1, static_friction =
-    /// 0.4 }`. `--at` wins over it.
+    /// The operating point, a value of each axis of several values: `{ preload = 0.1, static_friction = 0.4 }`. `--at` wins
+    /// over it.
     #[schemars(with = "Option<serde_json::Map<String, serde_json::Value>>")]
     pub at: Option<Spanned<BTreeMap<Spanned<String>, Spanned<f64>>>>,
 }

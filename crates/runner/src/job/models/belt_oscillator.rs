@@ -116,22 +116,22 @@ struct BeltCriterionSpec {
     /// How a sample is decided.
     #[schemars(with = "BeltKind")]
     kind: Option<Spanned<BeltKind>>,
-    /// Where a motion starts: by name, or in numbers. With `kind = "time-domain"`.
+    /// Where a motion starts, by name or in numbers. With `"time-domain"`.
     #[schemars(with = "Option<StartSpec<GivenBeltStart>>", extend("default" = "near-equilibrium"))]
     start: Option<Spanned<StartSpec<GivenBeltStart>>>,
-    /// Displacement of a start near the equilibrium, over the equilibrium's own. With the other starts: the distance
-    /// from the equilibrium within which a shrinking motion counts as stable. With `kind = "time-domain"`.
+    /// Displacement of a start near the equilibrium, over the equilibrium's own; with other starts the distance within
+    /// which a shrinking motion counts as stable. With `"time-domain"`.
     #[schemars(with = "Option<f64>", extend("default" = 0.01, "exclusiveMinimum" = 0, "maximum" = 1000))]
     displacement: Option<Spanned<f64>>,
-    /// Time after which a sample is undecided, s; by default at most 5e6 radians of the fastest oscillator. With `kind =
-    /// "time-domain"`.
+    /// Time after which a sample is undecided, s; by default at most 5e6 radians of the fastest oscillator. With
+    /// `"time-domain"`.
     #[schemars(with = "Option<f64>", extend("default" = 10_000, "exclusiveMinimum" = 0, "maximum" = 1e9))]
     horizon: Option<Spanned<f64>>,
     /// What happens to samples outside the model, with normal force at or below 0 or f_s < f_c, or whose motion meets a speed
     /// at which a measured curve is at or below 0.
     #[schemars(with = "Option<OutsidePhysics>", extend("default" = "stable"))]
     outside_physics: Option<Spanned<OutsidePhysics>>,
-    /// What else is written for each cell: mean and quantiles of these results of its samples, as further columns.
+    /// Results of the samples, whose mean and quantiles are written for each cell.
     #[schemars(with = "Option<Vec<BeltRecord>>", extend("default" = []))]
     record: Option<Spanned<Vec<BeltRecord>>>,
 }
@@ -205,8 +205,7 @@ struct GivenBeltStart {
     /// Speed x', m/s.
     #[serde(skip_serializing_if = "Option::is_none")]
     velocity: Option<f64>,
-    /// Whether `displacement` counts from steady sliding, x = N mu(V) / k; otherwise it counts from the spring without
-    /// force.
+    /// Whether `displacement` counts from steady sliding, x = N mu(V) / k; otherwise from the spring without force.
     #[serde(default)]
     from_equilibrium: bool,
 }

@@ -15,11 +15,11 @@ use stickslip_core::models::pad_on_disc::motion::start::{GivenStart, Start};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema, ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum StartKind {
-    /// At steady sliding, displaced a little: does steady sliding hold?
+    /// At steady sliding, displaced a little.
     NearEquilibrium,
-    /// At x = x' = 0, as the brake is applied: does it squeal?
+    /// At x = x' = 0, as the brake is applied.
     Rest,
-    /// At the release from stick: does stick-slip, or a cycle without sticking, sustain itself?
+    /// At the release from stick.
     LimitCycle,
 }
 

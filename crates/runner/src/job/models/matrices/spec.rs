@@ -18,7 +18,7 @@ pub struct MatrixModelSpec {
     /// M: symmetric, positive definite.
     #[schemars(with = "TermSpec")]
     pub mass: Option<Spanned<TermSpec>>,
-    /// The terms of C, each a matrix times its factor; without it there is no damping.
+    /// The terms of C, each a matrix times its factor.
     #[serde(default)]
     #[schemars(with = "Vec<TermSpec>", extend("default" = []))]
     pub damping: TermsSpec,
@@ -26,7 +26,7 @@ pub struct MatrixModelSpec {
     #[serde(default)]
     #[schemars(with = "Vec<TermSpec>")]
     pub stiffness: TermsSpec,
-    /// The expected values of the parameters in the factors, by names of yours: a number, or a table.
+    /// The expected values of the parameters in the factors, by your names for them.
     #[serde(default)]
     #[schemars(with = "BTreeMap<String, ParameterSpec>", extend("default" = {}))]
     pub parameters: BTreeMap<Spanned<String>, Spanned<ParameterSpec>>,
@@ -74,19 +74,18 @@ pub struct MatrixCriterionSpec {
     /// How a sample is decided.
     #[schemars(with = "MatrixKind")]
     pub kind: Option<Spanned<MatrixKind>>,
-    /// The band in which pairs count, Hz, both ends included; without it all frequencies.
+    /// The band in which pairs count, Hz, ends included; by default all frequencies.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<[f64; 2]>")]
     pub frequency: Option<Spanned<[f64; 2]>>,
-    /// Several bands in place of `frequency`: a cell for each, and one for any of them (`band` 0).
+    /// Several bands: a cell for each, and one for any of them (`band` 0).
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<Vec<[f64; 2]>>")]
     pub bands: Option<Spanned<Vec<[f64; 2]>>>,
     /// Unstable is a pair in the band whose damping ratio, -Re / |lambda|, is below it by more than 1e-9.
     #[schemars(with = "Option<f64>", extend("default" = 0, "exclusiveMinimum" = -1, "exclusiveMaximum" = 1))]
     pub damping_ratio: Option<Spanned<f64>>,
-    /// Motions that no stiffness and no damping holds have two eigenvalues of zero, which rounding makes stable or unstable.
-    /// With `matrices = "full"` they always count.
+    /// Whether motions count that no stiffness and no damping holds; with `matrices = "full"` they always do.
     #[schemars(with = "Option<RigidBodyMotions>", extend("default" = "left-out"))]
     pub rigid_body_motions: Option<Spanned<RigidBodyMotions>>,
     /// With which matrices eigenvalues are found.
@@ -95,8 +94,8 @@ pub struct MatrixCriterionSpec {
     /// What happens to samples with a parameter beyond its range.
     #[schemars(with = "Option<OutsidePhysics>", extend("default" = "stable"))]
     pub outside_physics: Option<Spanned<OutsidePhysics>>,
-    /// What else is written for each cell: mean and quantiles of `"damping_ratio"`, `"growth_rate"` (1/s) and `"frequency"`
-    /// (Hz) of the least stable pair in the band, over all samples that have one. Not with `matrices = "full"`.
+    /// Which of `"damping_ratio"`, `"growth_rate"` (1/s) and `"frequency"` (Hz) of the least stable pair in the band
+    /// are written for each cell, as mean and quantiles. Not with `matrices = "full"`.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<Vec<PairRecord>>", extend("default" = []))]
     pub record: Option<Spanned<Vec<PairRecord>>>,
@@ -148,10 +147,10 @@ pub enum RigidBodyMotions {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum SolvedMatrices {
-    /// Dense ones, all eigenvalues of every sample: up to 400 degrees of freedom.
+    /// Dense ones, for up to 400 degrees of freedom.
     Dense,
-    /// The full sparse ones, eigenvalues in the band: some 0.1 to 10 s for each sample, for models that one LU factorisation
-    /// fits.
+    /// The full sparse ones, eigenvalues in the band: some 0.1 to 10 s for each sample, if one LU factorisation fits
+    /// into memory.
     Full,
 }
 

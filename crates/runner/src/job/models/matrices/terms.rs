@@ -26,11 +26,11 @@ use crate::matrix_files::{self, ReadMatrix};
 #[derive(Debug, Clone, Default, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(remote = "Self", deny_unknown_fields)]
 pub struct TermSpec {
-    /// The file with the matrix, beside the job. Its format is found by its content.
+    /// The file with the matrix, beside the job.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<String>")]
     file: Option<Spanned<String>>,
-    /// The name of the matrix in its file, where that has several; or its rows.
+    /// Its name in a file that has several, or its rows.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<MatrixSpec>")]
     matrix: Option<Spanned<MatrixSpec>>,
@@ -38,7 +38,7 @@ pub struct TermSpec {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = 1))]
     factor: Option<FactorSpec>,
-    /// The digest of a matrix from a file. A run keeps it: it refuses to go on with another matrix.
+    /// The digest of a matrix from a file, by which a run refuses to go on with another.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub digest: Option<String>,
 }

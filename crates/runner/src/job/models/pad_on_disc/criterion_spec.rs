@@ -23,33 +23,30 @@ pub struct CriterionSpec {
     /// How a sample is decided.
     #[schemars(with = "CriterionKind")]
     pub kind: Option<Spanned<CriterionKind>>,
-    /// The disc under the pad. With `kind = "time-domain"`.
+    /// The disc under the pad. With `"time-domain"`.
     #[schemars(with = "Option<DiscKind>", extend("default" = "flexible"))]
     pub disc: Option<Spanned<DiscKind>>,
-    /// How many modes of the flexible disc are kept, those of lowest frequency. `"auto"`: as many as the growth rates
-    /// of the job need. With a flexible disc.
+    /// How many modes a flexible disc has, the lowest first. `"auto"`: as many as the growth rates of the job need.
     #[schemars(with = "Option<ModesSpec>", extend("default" = "auto"))]
     pub disc_modes: Option<Spanned<ModesSpec>>,
-    /// Where a motion starts: by name, or in numbers. With `kind = "time-domain"`.
+    /// Where a motion starts, by name or in numbers. With `"time-domain"`.
     #[schemars(with = "Option<StartSpec<GivenStartSpec>>", extend("default" = "near-equilibrium"))]
     pub start: Option<Spanned<StartSpec<GivenStartSpec>>>,
-    /// Displacement of a start near the equilibrium, over the equilibrium's own. With the other starts: the distance
-    /// from the equilibrium within which a shrinking motion counts as stable. With `kind = "time-domain"`.
+    /// Displacement of a start near the equilibrium, over the equilibrium's own; with other starts the distance within
+    /// which a shrinking motion counts as stable. With `"time-domain"`.
     #[schemars(with = "Option<f64>", extend("default" = 0.01, "exclusiveMinimum" = 0, "maximum" = 1000))]
     pub displacement: Option<Spanned<f64>>,
-    /// Scaled time after which a sample is undecided, at most 1e8 steps. With `kind = "time-domain"`.
+    /// Scaled time after which a sample is undecided, at most 1e8 steps. With `"time-domain"`.
     #[schemars(with = "Option<f64>", extend("default" = 10_000, "exclusiveMinimum" = 0, "maximum" = 1e9))]
     pub horizon: Option<Spanned<f64>>,
     /// The paper's index, `{ amplitude = NUMBER }`: unstable where the settled amplitude of x (half peak to peak, over
-    /// the disc's thickness) exceeds this, above 0 to 1000. Without it the motion itself decides. With `kind =
-    /// "time-domain"`.
+    /// the disc's thickness) exceeds this, above 0 to 1000. Without it the motion decides. With `"time-domain"`.
     #[schemars(with = "Option<IndexSpec>")]
     pub index: Option<Spanned<IndexSpec>>,
-    /// What happens to samples outside the model, with preload at or below 0 or f_s < f_c, or whose motion meets a speed at
-    /// which a measured curve is at or below 0.
+    /// What happens to samples outside the model, such as those with f_s < f_c.
     #[schemars(with = "Option<OutsidePhysics>", extend("default" = "stable"))]
     pub outside_physics: Option<Spanned<OutsidePhysics>>,
-    /// What else is written for each cell: mean and quantiles of these results of its samples, as further columns.
+    /// Results of the samples, whose mean and quantiles are written for each cell.
     #[schemars(with = "Option<Vec<Record>>", extend("default" = []))]
     pub record: Option<Spanned<Vec<Record>>>,
 }
@@ -126,9 +123,9 @@ pub enum CriterionKind {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum DiscKind {
-    /// An elastic annular plate, by its modes: pad, contact and disc move.
+    /// An elastic annular plate, by its modes.
     Flexible,
-    /// A rigid disc: the pad alone moves.
+    /// The pad alone moves.
     Rigid,
 }
 
@@ -148,8 +145,7 @@ pub struct GivenStartSpec {
     /// Rotation phi of the pad, rad; on a flexible disc only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub angle: Option<f64>,
-    /// Whether `tangential`, `normal` and `angle` count from steady sliding; otherwise they count from the pad without
-    /// forces, where x = y = phi = 0.
+    /// Whether `tangential`, `normal` and `angle` count from steady sliding; otherwise from the pad without forces.
     #[serde(default)]
     pub from_equilibrium: bool,
     /// Units of displacements and speed.

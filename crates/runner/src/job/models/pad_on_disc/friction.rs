@@ -237,7 +237,7 @@ impl JsonSchema for FrictionSpec {
         properties.insert(
             "table".to_owned(),
             json!({
-                "description": "The measured curve of `law = \"table\"`: a CSV file, relative to the job's folder, with the columns speed, coefficient and perhaps std; or the columns themselves, `{ speed = [...], coefficient = [...], std = [...] }`",
+                "description": "The measured curve of `law = \"table\"`: a CSV file, relative to the job's folder, or its columns, `{ speed = [...], coefficient = [...], std = [...] }`",
                 "anyOf": [
                     { "type": "string" },
                     {
@@ -257,7 +257,7 @@ impl JsonSchema for FrictionSpec {
             "smoothing".to_owned(),
             json!({
                 "const": SPLINE,
-                "description": "With `law = \"table\"`, `\"spline\"` smooths the rows of a noisy curve before it goes through them: by a cubic smoothing spline, as smooth as generalised cross-validation says. Without it the curve goes through the rows as they are",
+                "description": "`\"spline\"` replaces the rows of a noisy `table` by a cubic smoothing spline, as smooth as generalised cross-validation says; without it the curve goes through the rows as they are",
             }),
         );
         json_schema!({ "type": "object", "properties": properties, "additionalProperties": false })
