@@ -1,7 +1,7 @@
-//! docs/your-brake-in-numbers.md knows every parameter of the brake, and its table of what ten per cent do is what the
+//! docs/your-brake-in-numbers.md knows every parameter of the brake, and its tables of what ten per cent do are what the
 //! program computes.
 //!
-//! `STICKSLIP_UPDATE=1 cargo test -p stickslip --test people parameter_table` writes the table again.
+//! `STICKSLIP_UPDATE=1 cargo test -p stickslip --test people parameter_table` writes the tables again.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on should say so and stop")]
 
@@ -78,10 +78,15 @@ fn responses(place: &Place, key: &str, values: &[f64]) -> Vec<Response> {
     analysed.into_iter().zip(probabilities).map(of).collect()
 }
 
-/// The table, with the strongest effects first.
-fn table(place: &Place) -> String {
-    let preset = responses(place, "operating_point.preload", &[0.1]).remove(0).cells();
-    let mut rows: Vec<(f64, f64, String)> = Vec::new();
+/// A growth rate that differs by more than this is shown, where nothing else differs.
+const LEAST_GROWTH: f64 = 2.0;
+
+/// The tables, with the strongest effects first: of parameters that change what a rigid disc shows, and of those that
+/// change the growth on a flexible disc alone.
+fn tables(place: &Place) -> String {
+    let preset = responses(place, "operating_point.preload", &[0.1]).remove(0);
+    let (growth_of_preset, preset) = (preset.growth.round(), preset.cells());
+    let mut rows: Vec<(f64, f64, bool, String)> = Vec::new();
     for parameter in parameters(place).iter().filter(|parameter| text(parameter, "key") != WITHOUT_ROW) {
         let (key, value) = (text(parameter, "key"), parameter["preset"].as_f64().unwrap());
         let ends = match key {
@@ -92,28 +97,39 @@ fn table(place: &Place) -> String {
         };
         let [lower, higher] = <[Response; 2]>::try_from(responses(place, key, &ends)).ok().unwrap();
         let (low, high) = (lower.cells(), higher.cells());
-        let cells = (0..preset.len()).map(|i| {
-            let is_same = low[i] == preset[i] && high[i] == preset[i];
-            if is_same { "same".to_owned() } else { format!("{} / {}", low[i], high[i]) }
-        });
+        let is_same: Vec<bool> = (0..preset.len()).map(|i| low[i] == preset[i] && high[i] == preset[i]).collect();
+        let is_growth_alone = is_same[..preset.len() - 1].iter().all(|same| *same);
+        let grows = [&lower, &higher].map(|of| (of.growth.round() - growth_of_preset).abs());
+        if is_growth_alone && grows[0].max(grows[1]) <= LEAST_GROWTH {
+            continue;
+        }
+        let first = if is_growth_alone { preset.len() - 1 } else { 0 };
+        let cells = (first..preset.len())
+            .map(|i| if is_same[i] { "same".to_owned() } else { format!("{} / {}", low[i], high[i]) });
         let row = format!("| `{key}` | {} |\n", cells.collect::<Vec<_>>().join(" | "));
         let effects = (lower.probability - higher.probability, lower.growth - higher.growth);
         // Probabilities that differ by rounding only are the same.
-        rows.push(((effects.0.abs() * 1e6).round(), effects.1.abs(), row));
+        rows.push(((effects.0.abs() * 1e6).round(), effects.1.abs(), is_growth_alone, row));
     }
     rows.sort_by(|a, b| (b.0, b.1).partial_cmp(&(a.0, a.1)).unwrap());
     let [p, critical, saddle_node, growth] = preset;
     let head = format!(
         "| parameter, -10 % / +10 % | probability P ({p}) | critical speed ({critical} rad/s) | saddle-node ({saddle_node} rad/s) | growth, flexible disc ({growth} 1/s) |\n|---|---|---|---|---|\n"
     );
-    format!("\n{head}{}\n", rows.into_iter().map(|(.., row)| row).collect::<String>())
+    let those = |alone: bool| rows.iter().filter(|row| row.2 == alone).map(|row| row.3.as_str()).collect::<String>();
+    format!(
+        "\n{head}{}\nThe growth on a flexible disc alone changes with these, and by {LEAST_GROWTH} at most with all others:\n\n\
+         | parameter, -10 % / +10 % | growth |\n|---|---|\n{}\n",
+        those(false),
+        those(true)
+    )
 }
 
 #[test]
 fn what_ten_per_cent_do_is_what_the_program_computes() {
     let (before, rest) = page().split_once(BEGIN).map(|(a, b)| (a.to_owned(), b.to_owned())).unwrap();
     let (shown, after) = rest.split_once(END).unwrap();
-    let computed = table(&Place::new());
+    let computed = tables(&Place::new());
     if std::env::var_os("STICKSLIP_UPDATE").is_some() {
         fs::write(repository().join(PAGE), format!("{before}{BEGIN}{computed}{END}{after}")).unwrap();
         return;
