@@ -121,7 +121,52 @@ fn analyse_names_every_range_of_speed_in_which_sliding_is_unstable() {
         assert_eq!(is_in, probability == 1.0, "{speed}: {probability}, {ranges:?}");
     }
     let text = place.run("analyse --job job.toml").done().stdout;
-    assert!(text.contains("critical speed     unstable from ") && text.matches(" to ").count() >= 2, "{text}");
+    assert!(text.contains("critical speed     unstable below ") && text.contains(" m/s, from "), "{text}");
+}
+
+/// The ends are those of motions that were integrated outside the program, see the core's tests of `cycle_ranges`.
+#[test]
+fn analyse_names_every_range_of_speed_with_limit_cycles() {
+    let place = Place::new();
+    let twice = "law = \"table\"\ntable = { speed = [0.0, 0.05, 0.1, 0.2, 0.4, 0.8, 1.2], coefficient = [0.7, 0.7, 0.4, 0.4, 0.8, 0.2, 0.2] }";
+    let (stick_slip, sliding) =
+        ([[0.034_805_5, 0.140_711_5], [0.404_344_8, 0.599_373_6]], [[0.529_883_5, 1.028_505_0]]);
+    let ends = stick_slip.iter().chain(&sliding).flatten().copied();
+    let mut speeds: Vec<f64> = ends.flat_map(|end| [0.99, 1.01].map(|factor| factor * end)).collect();
+    speeds.sort_by(f64::total_cmp);
+    let speeds: Vec<String> = speeds.iter().map(f64::to_string).collect();
+    let axis = format!("[axes]\nbelt_speed = [{}]\n[random]\ninputs = []", speeds.join(", "));
+    let text = job(SLOW, twice, &axis, "kind = \"time-domain\"\nstart = \"limit-cycle\"")
+        .replace("belt_speed = 0.5\n", "")
+        .replace("damping = 0.1\nnormal_force = 10.0", "damping = 0.4\nnormal_force = 1.0");
+    place.write("job.toml", &text);
+    let json: serde_json::Value =
+        serde_json::from_str(&place.run("analyse --job job.toml --json").done().stdout).unwrap();
+    for (key, expected) in [("stick_slip_speeds", &stick_slip[..]), ("sliding_cycle_speeds", &sliding[..])] {
+        let found: Vec<[f64; 2]> = serde_json::from_value(json[key].clone()).unwrap();
+        assert_eq!(found.len(), expected.len(), "{key}: {found:?}");
+        for (found, expected) in found.iter().flatten().zip(expected.iter().flatten()) {
+            assert!((found / expected - 1.0).abs() < 2e-6, "{key}: {found} {expected}");
+        }
+    }
+    assert_eq!(json["unresolved_speeds"], serde_json::json!([]));
+    assert_eq!(json["end_of_stick_slip"], json["stick_slip_speeds"][1][1]);
+    assert_eq!(json["end_of_cycles"], json["sliding_cycle_speeds"][0][1]);
+    let said = place.run("analyse --job job.toml").done().stdout;
+    assert!(
+        said.contains(
+            "stick-slip         from 0.03481 to 0.1407 m/s, from 0.4043 to 0.5994 m/s\n\
+             without sticking   a limit cycle from 0.5299 to 1.029 m/s\n"
+        ),
+        "{said}"
+    );
+    // Of the motions after a release, those end at rest that have no cycle around them.
+    place.run("submit job.toml").done();
+    let table = Table::read(&place.path("runs/belt/surface.parquet"));
+    for (&speed, &probability) in table.column("belt_speed").iter().zip(table.column("p_unstable")) {
+        let is_in = stick_slip.iter().chain(&sliding).any(|&[from, to]| from < speed && speed < to);
+        assert_eq!(is_in, probability == 1.0, "{speed}: {probability}");
+    }
 }
 
 #[test]

@@ -87,7 +87,7 @@ fn oscillators_are_analysed_in_metres_and_seconds() {
         assert_same(&format!("{name}: end of stick-slip"), end, number("end_of_stick_slip"));
         assert!(analysis["limit_cycle"]["period"].as_f64().unwrap() > 0.0, "{printed}");
         let text = place.run(&format!("analyse --job {}", job.display())).done().stdout;
-        assert!(text.contains("end of stick-slip") && !text.contains("preload"), "{text}");
+        assert!(text.contains("\nstick-slip         below ") && !text.contains("preload"), "{text}");
         place
             .run(&format!("analyse --job {} --set pad.mass=1", job.display()))
             .refused(64, &["there is no parameter pad.mass (there are normal_force, "]);

@@ -8,6 +8,8 @@ use crate::model::verdict::Verdict;
 use crate::models::pad_on_disc::parameters::scalar;
 use crate::models::pad_on_disc::rigid_disc::pad_on_disc::PadOnDisc;
 
+mod cycle_ranges;
+
 fn oscillator() -> Oscillator {
     let friction = Friction {
         law: LawKind::Stribeck,

@@ -2,7 +2,8 @@
 
 use serde_json::{Value, json};
 use stickslip_core::models::pad_on_disc::rigid_disc::basin::Basin;
-use stickslip_core::models::pad_on_disc::rigid_disc::limit_cycle::{CycleEnds, LimitCycle};
+use stickslip_core::models::pad_on_disc::rigid_disc::cycle_ranges::CycleRanges;
+use stickslip_core::models::pad_on_disc::rigid_disc::limit_cycle::LimitCycle;
 use stickslip_core::models::pad_on_disc::rigid_disc::pad_on_disc::{PadOnDisc, SlidingEquilibrium};
 use stickslip_core::models::pad_on_disc::rigid_disc::stability::SpeedRange;
 use stickslip_core::numerics::eigenvalues::Eigenvalue;
@@ -20,8 +21,8 @@ pub struct Oscillator {
     eigenvalues: [Eigenvalue; 2],
     /// Where steady sliding is unstable.
     unstable_speeds: Vec<SpeedRange>,
-    /// The speed above which no motion sticks again, and that above which there is no limit cycle.
-    ends: CycleEnds,
+    /// Where there are limit cycles.
+    cycles: CycleRanges,
     cycle: Option<LimitCycle>,
     basin: Basin,
     without_friction: WithoutFriction,
@@ -38,7 +39,7 @@ impl Oscillator {
             equilibrium: pad.sliding_equilibrium(),
             eigenvalues: [first, second],
             unstable_speeds: pad.unstable_speeds(),
-            ends: pad.cycle_ends(),
+            cycles: pad.cycle_ranges(),
             cycle,
             basin: pad.basin(),
             without_friction: WithoutFriction::of(pad, cycle.is_some()),
@@ -74,9 +75,12 @@ impl Oscillator {
             "eigenvalues": self.eigenvalues.map(|value| [value.re, value.im]),
             "stable": self.is_stable(),
             "critical_speed": self.unstable_speeds.last().map(|speeds| speeds.to),
-            "unstable_speeds": self.unstable_speeds.iter().map(|speeds| [speeds.from, speeds.to]).collect::<Vec<_>>(),
-            "end_of_stick_slip": self.ends.stick_slip,
-            "end_of_cycles": self.ends.any,
+            "unstable_speeds": pairs(&self.unstable_speeds),
+            "stick_slip_speeds": pairs(&self.cycles.stick_slip),
+            "sliding_cycle_speeds": pairs(&self.cycles.without_sticking),
+            "unresolved_speeds": pairs(&self.cycles.unresolved),
+            "end_of_stick_slip": self.cycles.end_of_stick_slip(),
+            "end_of_cycles": self.cycles.end_of_cycles(),
             "limit_cycle": cycle,
             "smallest_knock": knock,
             "without_friction": self.without_friction.json(),
@@ -89,13 +93,7 @@ impl Oscillator {
             [] => "none: steady sliding is stable at every speed".to_owned(),
             [SpeedRange { from: 0.0, to }] if to.is_infinite() => "none: unstable at every speed".to_owned(),
             [SpeedRange { from: 0.0, to }] => format!("{} m/s", significant(to)),
-            ref several => {
-                let ranges = several.iter().map(|&SpeedRange { from, to }| match to.is_infinite() {
-                    true => format!("above {} m/s", significant(from)),
-                    false => format!("from {} to {} m/s", significant(from), significant(to)),
-                });
-                format!("unstable {}", ranges.collect::<Vec<_>>().join(", "))
-            }
+            ref several => format!("unstable {}", listed(several)),
         }
     }
 
@@ -111,10 +109,16 @@ impl Oscillator {
             (false, true) => "stable",
             (false, false) => "unstable",
         };
-        let end_of_stick_slip = self.ends.stick_slip.map(|speed| format!("{} m/s", significant(speed)));
-        let end_of_cycles = self.ends.without_sticking().map(|speed| {
-            ("end of cycles", format!("{} m/s, no limit cycle above, with or without sticking", significant(speed)))
-        });
+        let stick_slip = match *self.cycles.stick_slip {
+            [] => "none at any belt speed".to_owned(),
+            ref ranges => listed(ranges),
+        };
+        let CycleRanges { without_sticking, unresolved, .. } = &self.cycles;
+        let sliding = ("without sticking", format!("a limit cycle {}", listed(without_sticking)));
+        let sliding = (!without_sticking.is_empty()).then_some(sliding);
+        let not_resolved = format!("limit cycles {}: too stiff for the method, or too slow", listed(unresolved));
+        let not_resolved = ("not resolved", not_resolved);
+        let not_resolved = (!unresolved.is_empty()).then_some(not_resolved);
         let cycle = match &self.cycle {
             Some(cycle) => format!(
                 "x from {} to {} m, period {} s, {}",
@@ -153,10 +157,27 @@ impl Oscillator {
             ),
             ("eigenvalues", eigenvalues),
             ("critical speed", self.critical_speed()),
-            ("end of stick-slip", end_of_stick_slip.unwrap_or_else(|| "not found".to_owned())),
+            ("stick-slip", stick_slip),
         ];
         let line = |(what, value): (&str, String)| format!("{what:<18} {value}\n");
         let cycle = [("limit cycle", cycle), ("basin", basin)];
-        rows.into_iter().chain(end_of_cycles).chain(cycle).chain(curve).chain(without).map(line).collect()
+        let ranges = sliding.into_iter().chain(not_resolved);
+        rows.into_iter().chain(ranges).chain(cycle).chain(curve).chain(without).map(line).collect()
     }
+}
+
+/// Ranges for JSON.
+fn pairs(ranges: &[SpeedRange]) -> Vec<[f64; 2]> {
+    ranges.iter().map(|range| [range.from, range.to]).collect()
+}
+
+/// Ranges in words.
+fn listed(ranges: &[SpeedRange]) -> String {
+    let in_words = |&SpeedRange { from, to }: &SpeedRange| match (from == 0.0, to.is_infinite()) {
+        (true, true) => "at every belt speed".to_owned(),
+        (true, false) => format!("below {} m/s", significant(to)),
+        (false, true) => format!("above {} m/s", significant(from)),
+        (false, false) => format!("from {} to {} m/s", significant(from), significant(to)),
+    };
+    ranges.iter().map(in_words).collect::<Vec<_>>().join(", ")
 }

@@ -21,6 +21,9 @@ use crate::numerics::root_location::bisect;
 /// there.
 const HIGHEST_SPEED: f64 = 1e5;
 
+/// Speeds in each decade of the scans for the ends.
+const POINTS_PER_DECADE: f64 = 15.0;
+
 /// To what share of its displacement a cycle in which the pad overtakes the disc is located.
 const LOCATED: f64 = 1e-11;
 
@@ -108,7 +111,7 @@ impl PadOnDisc {
     #[must_use]
     pub fn saddle_node_speed(&self) -> Option<f64> {
         let cycles = |speed: f64| self.motion_at(speed).is_some_and(|motion| motion.stick_slip_cycle().is_some());
-        let scan = self.scanned_speeds();
+        let scan = self.scanned_speeds(POINTS_PER_DECADE);
         // Falling speeds: the first one with a limit cycle lies below the saddle-node, the one before it above.
         let first = scan.iter().position(|&speed| cycles(speed))?;
         let (with, without) = bisect((scan[first], scan[first.checked_sub(1)?]), 1000, 1e-10, cycles);
@@ -131,7 +134,7 @@ impl PadOnDisc {
 
     fn end_of_cycles(&self, end_of_stick_slip: Option<f64>) -> Option<f64> {
         let cycles = |speed: f64| self.motion_at(speed).is_some_and(|motion| motion.has_limit_cycle());
-        let scan = self.scanned_speeds();
+        let scan = self.scanned_speeds(POINTS_PER_DECADE);
         let found = scan.iter().copied().find(|&speed| cycles(speed)).unwrap_or(0.0);
         let critical = self.unstable_speeds().last().map(|range| range.to);
         let known = end_of_stick_slip.into_iter().chain(critical).fold(0.0, f64::max);
@@ -160,15 +163,15 @@ impl PadOnDisc {
     }
 
     /// The tangential motion at another rotating speed (rad/s), if that is admissible.
-    fn motion_at(&self, rotating_speed: f64) -> Option<PlanarMotion> {
+    pub(super) fn motion_at(&self, rotating_speed: f64) -> Option<PlanarMotion> {
         let mut parameters = self.parameters().clone();
         parameters.operating_point.rotating_speed = rotating_speed;
         PadOnDisc::new(parameters).ok().map(|brake| brake.planar_motion())
     }
 
-    /// The rotating speeds (rad/s) at which limit cycles are looked for, in falling order; none where friction is the
-    /// same at all speeds.
-    fn scanned_speeds(&self) -> Vec<f64> {
+    /// The rotating speeds (rad/s) at which limit cycles are looked for, in falling order, so many in each decade; none
+    /// where friction is the same at all speeds.
+    pub(super) fn scanned_speeds(&self, points_per_decade: f64) -> Vec<f64> {
         let motion = self.planar_motion();
         let (drop, width) = motion.law.drop_and_width();
         let oscillation = self.rotating_speed(drop / motion.stiffness.sqrt());
@@ -177,7 +180,7 @@ impl PadOnDisc {
             return Vec::new();
         }
         let lowest = (1e-4 * oscillation.min(stribeck)).clamp(1e-5, HIGHEST_SPEED);
-        let points = 1 + (15.0 * libm::log10(HIGHEST_SPEED / lowest)).ceil() as u32;
+        let points = 1 + (points_per_decade * libm::log10(HIGHEST_SPEED / lowest)).ceil() as u32;
         let ratio = libm::pow(HIGHEST_SPEED / lowest, 1.0 / f64::from(points));
         (0..points).scan(HIGHEST_SPEED, |speed, _| Some(std::mem::replace(speed, *speed / ratio))).collect()
     }
@@ -214,6 +217,18 @@ impl PlanarMotion {
         }
         let stick = (self.release() - round.caught) / self.disc_speed;
         (stick > 0.0).then(|| round.closed_by(stick))
+    }
+
+    /// Whether a motion comes to the disc's speed again and again, as [`PlanarMotion::stick_slip_cycle`] does; `None` where
+    /// that is not resolved.
+    pub fn has_stick_slip(&self) -> Option<bool> {
+        if self.release() > 0.0 && self.round_from(self.release()).is_some() {
+            return Some(true);
+        }
+        match self.fate_of_release() {
+            Fate::Captured | Fate::Overtakes | Fate::Grows { .. } | Fate::Unresolved => None,
+            Fate::Equilibrium | Fate::Trapped { .. } | Fate::SmoothCycle { .. } => Some(false),
+        }
     }
 
     /// The motion from `x`, where it begins to slip with the disc's speed, until it has that speed the next time and

@@ -19,6 +19,8 @@ pub(crate) mod return_map;
 
 pub mod limit_cycle;
 
+pub mod cycle_ranges;
+
 mod cycle_velocity;
 
 pub mod unstable_cycle;

@@ -43,6 +43,9 @@ const ROUNDING: f64 = 1e-14;
 /// How far from a cycle, relative to its amplitude, swings show whether it attracts.
 const BESIDE: f64 = 1e-6;
 
+/// How close the widest swing that does not come to the disc's speed is located, relative to it.
+const GRAZES: f64 = 1e-6;
+
 /// How near the change over a cycle must come to that of the linearised motion, for smaller amplitudes to change like
 /// it too.
 const LINEAR: f64 = 0.01;
@@ -204,6 +207,71 @@ impl PlanarMotion {
             }
         }
         Fate::Unresolved
+    }
+
+    /// Whether there is a limit cycle without sticking, be it inside one that sticks; `None` where that is not resolved.
+    pub fn has_cycle_without_sticking(&self) -> Option<bool> {
+        // With these laws none outlasts stick-slip, and where steady sliding is unstable all swings grow.
+        if self.law.is_completely_monotone() {
+            return Some(false);
+        }
+        let fate = match self.fate_of_release() {
+            Fate::Captured | Fate::Overtakes => self.fate_inside_release(),
+            fate => fate,
+        };
+        match fate {
+            Fate::Trapped { .. } | Fate::SmoothCycle { .. } => Some(true),
+            Fate::Equilibrium | Fate::Captured => Some(false),
+            Fate::Grows { .. } | Fate::Overtakes | Fate::Unresolved => None,
+        }
+    }
+
+    /// What the swings come to that lie inside a motion which is captured after its release: the outermost limit cycle
+    /// without sticking if there is one, else rest, or capture where all of them grow.
+    fn fate_inside_release(&self) -> Fate {
+        let state = [self.release(), self.disc_speed];
+        let first = self.slip(state, self.size_of(state));
+        if first.end != SlipEnd::Turned {
+            return Fate::Unresolved;
+        }
+        let widest = first.x - self.equilibrium();
+        let (turns, _) = bisect((0.0, widest), 60, GRAZES, |a| self.swing(a).end != SlipEnd::Captured);
+        if turns > 0.0 { self.fate_inside(turns) } else { Fate::Captured }
+    }
+
+    /// The same for the swings up to this amplitude.
+    fn fate_inside(&self, outermost: f64) -> Fate {
+        let linear = self.linear_change();
+        let mut scanned: Vec<(f64, f64)> = Vec::new();
+        let (mut near_linear, mut a) = (0, outermost);
+        while scanned.len() < MOST_SCANNED {
+            let (change, bottom) = self.change_and_bottom(a);
+            if change.is_nan() {
+                return Fate::Unresolved;
+            }
+            if change == f64::NEG_INFINITY {
+                return Fate::Equilibrium;
+            }
+            if change < 0.0 {
+                return self.fate_of_shrinking(a, change, bottom);
+            }
+            scanned.push((a, change));
+            // A minimum of the change among the last three amplitudes: does it fall to zero between them?
+            if let [.., (first, at_first), (_, before), (last, _)] = scanned[..]
+                && before < change
+                && before <= at_first
+                && let Some(shrinking) = rise_to_zero((last, first), UNRESOLVED, |a| -self.change(a))
+            {
+                return Fate::Trapped { inner: last, outer: shrinking };
+            }
+            let is_linear = linear > 0.0 && (change - linear).abs() <= LINEAR * linear && self.is_smooth_within(a);
+            near_linear = if is_linear { near_linear + 1 } else { 0 };
+            if near_linear == 2 {
+                break;
+            }
+            a *= if scanned.len() == 1 { FIRST_RATIO } else { SCAN_RATIO };
+        }
+        Fate::Captured
     }
 
     /// What a fate ends in: a cycle with its amplitude, or capture.

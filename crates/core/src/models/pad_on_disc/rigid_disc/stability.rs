@@ -37,13 +37,13 @@ impl Oscillator {
     }
 }
 
-/// Rotating speeds between which steady sliding is unstable, rad/s.
+/// Rotating speeds between which steady sliding is unstable, or between which there are limit cycles, rad/s.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SpeedRange {
     /// Lower end: 0 for the rational law and Stribeck exponents up to 1; above 1 the friction curve is flat at rest,
     /// and very slow sliding is stable again.
     pub from: f64,
-    /// Upper end, the critical speed; infinite if nothing damps the tangential motion.
+    /// Upper end, of unstable sliding the critical speed; infinite if nothing damps the tangential motion.
     pub to: f64,
 }
 
