@@ -144,6 +144,70 @@ fn a_motion_that_still_grows_is_not_called_settled() {
     }
 }
 
+/// Amplitudes change by exp(m1 t / 2). At the critical speed the damping is C = 0.332 and the Stribeck ratio r = 2.918, so that
+/// m1 is r C = 0.97 times the distance from it, and the amplitude changes by 1.5e-7 and 1.5e-6 in a cycle of 3.0: less than
+/// the steps lose, or than shows in a horizon.
+#[test]
+fn a_motion_that_changes_too_slowly_to_show_it_is_not_called_settled() {
+    let place = Place::new();
+    let critical = json(&place.run("analyse --json").done().stdout)["critical_speed_rad_s"].as_f64().unwrap();
+    for (factor, verdict, way, comes_to) in
+        [(1.0 - 1e-7, "unstable", "grows", 0.0064), (1.0 + 1e-6, "stable", "shrinks", 0.0)]
+    {
+        for horizon in [500, 3000] {
+            let words = format!(
+                "trajectory --disc rigid --set operating_point.rotating_speed={} --displacement 1e-4 --horizon {horizon}",
+                factor * critical
+            );
+            let summary = json(&place.run(&format!("{words} --json")).done().stdout);
+            assert_eq!((&summary["verdict"], &summary["has_settled"]), (&verdict.into(), &false.into()), "{summary}");
+            assert!((summary["comes_to"].as_f64().unwrap() - comes_to).abs() < 1e-4, "{summary}");
+            assert!(summary["amplitude"].as_f64().unwrap() < 2e-6, "{summary}");
+            assert!(summary["amplitude_change"].as_f64().unwrap().abs() < 1e-3, "{summary}");
+            let shown = place.run(&words).done().stdout;
+            assert!(shown.contains(&format!("Its amplitude still {way}")), "{shown}");
+            assert!(shown.contains("a longer --horizon shows what it settles to."), "{shown}");
+        }
+    }
+    // Stick-slip from rest has settled, and so has rest.
+    for (speed, horizon) in [(15.5598, 500), (35.0, 2000)] {
+        let words = format!(
+            "trajectory --disc rigid --set operating_point.rotating_speed={speed} --start rest --horizon {horizon} --json"
+        );
+        let summary = json(&place.run(&words).done().stdout);
+        assert_eq!(summary["has_settled"], true, "{summary}");
+        assert!(summary["comes_to"].is_null() && summary["amplitude_change"].is_null(), "{summary}");
+    }
+}
+
+#[test]
+fn unstable_samples_without_a_settled_amplitude_are_counted_and_said() {
+    let place = Place::new();
+    // From 0.01 x0 the motion first sticks after 11.2 units of scaled time, by a classical Runge-Kutta method in Python.
+    let text = |horizon: &str| {
+        format!(
+            "name = \"short\"\n[axes]\nrotating_speed = 10.0\npreload = 0.1\nstatic_friction = 0.39\n[random]\ninputs = []\n\
+             [criterion]\nkind = \"time-domain\"\ndisc = \"rigid\"\nhorizon = {horizon}\nrecord = [\"amplitude\"]\n\
+             [sampling]\nsamples = 3\n"
+        )
+    };
+    for (horizon, notes) in [
+        (
+            "9.0",
+            vec!["3 unstable samples have no settled amplitude at the horizon; its mean and quantiles leave them out"],
+        ),
+        ("1000.0", vec![]),
+    ] {
+        place.write("short.toml", &text(horizon));
+        let out = format!("run-{horizon}");
+        let said = json(&place.run(&format!("submit short.toml --out {out} --json")).done().stdout);
+        assert_eq!(said["notes"], serde_json::json!(notes), "{said}");
+        let surface = Table::read(&place.path(&format!("{out}/surface.parquet")));
+        assert_eq!(surface.column("n_unstable"), [3.0]);
+        assert_eq!(surface.column("amplitude_mean")[0].is_nan(), horizon == "9.0");
+    }
+}
+
 #[test]
 fn a_trajectory_file_holds_what_the_summary_says() {
     let place = Place::new();

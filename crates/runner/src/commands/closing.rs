@@ -4,12 +4,13 @@ use std::path::Path;
 
 use indicatif::HumanCount;
 use serde_json::json;
+use stickslip_core::model::recorded::RecordedOf;
 use stickslip_sampler::estimate::audit::PlainSamples;
 use stickslip_sampler::estimate::interval::Estimate;
 
 use crate::evaluate::sums::Lookups;
 use crate::failure::Failure;
-use crate::job::{Computed, Job, MapUse};
+use crate::job::{Answer, Computed, Job, MapUse};
 use crate::output::{counted, result, shown, wrapped};
 use crate::picture::answer::answer;
 use crate::picture::asked_cell::KnownCell;
@@ -143,8 +144,15 @@ impl Summary {
             missed: 0.0,
             unaudited: 0.0,
         };
-        for SurfaceRow { counts, estimate, unaudited, outside_physics, weighted, plain, distrust, .. } in surface.rows()
-        {
+        // What is looked up, or counts by its weight, has no motion of its own.
+        let job = surface.job();
+        let is_simulated = job.answer() == Answer::Verdict && job.map_use() == MapUse::Nothing;
+        let of_unstable = job.model().recorded().iter().position(|result| result.of == RecordedOf::Unstable);
+        let of_unstable = of_unstable.filter(|_| is_simulated);
+        for row in surface.rows() {
+            let SurfaceRow { counts, estimate, unaudited, outside_physics, weighted, plain, distrust, .. } = row;
+            let recorded = of_unstable.map(|place| row.recorded[place].count());
+            summary.exceptions.add_unsettled(recorded.map_or(0, |recorded| counts.unstable.saturating_sub(recorded)));
             summary.computed.evaluations += weighted.map_or(0.0, |weighted| weighted.evaluations);
             summary.exceptions.add_distrust(distrust);
             if let Some(plain) = plain.filter(|_| distrust == 0) {

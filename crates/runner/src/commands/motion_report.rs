@@ -5,7 +5,7 @@ use stickslip_core::model::verdict::Verdict;
 use stickslip_core::models::pad_on_disc::motion::moment::Moment;
 use stickslip_core::models::pad_on_disc::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs, Scales};
 use stickslip_core::models::pad_on_disc::trajectory::recording::Trajectory;
-use stickslip_core::models::pad_on_disc::trajectory::settled::SettledMotion;
+use stickslip_core::models::pad_on_disc::trajectory::settled::{Outcome, SettledMotion};
 
 use crate::cli::MotionArguments;
 use crate::failure::Failure;
@@ -159,6 +159,14 @@ fn amplitude(settled: &SettledMotion) -> f64 {
     0.5 * (settled.tangential_max - settled.tangential_min)
 }
 
+/// The amplitude that a motion which has not settled comes to, where that is known.
+fn comes_to(settled: &SettledMotion) -> Option<f64> {
+    match settled.outcome {
+        Outcome::Amplitude(amplitude) if !settled.has_settled => Some(amplitude),
+        Outcome::Amplitude(_) | Outcome::Sticks | Outcome::Unknown => None,
+    }
+}
+
 /// The motion as keys of JSON. JSON has no infinity and no NaN: they become null.
 fn summary_keys(scales: &Scales, trajectory: &Trajectory) -> Map<String, Value> {
     let settled = trajectory.settled;
@@ -175,7 +183,9 @@ fn summary_keys(scales: &Scales, trajectory: &Trajectory) -> Map<String, Value> 
         "x_min": of(|settled| settled.tangential_min),
         "x_mean": of(|settled| settled.tangential_mean),
         "amplitude": of(amplitude),
+        "has_settled": settled.map(|settled| settled.has_settled),
         "amplitude_change": settled.and_then(|settled| settled.amplitude_change),
+        "comes_to": settled.as_ref().and_then(comes_to),
         "period": period,
         "stick_fraction": of(|settled| settled.stick_fraction),
         "horizon": last,
@@ -185,6 +195,7 @@ fn summary_keys(scales: &Scales, trajectory: &Trajectory) -> Map<String, Value> 
         "x_min_mm": millimetres(|settled| settled.tangential_min),
         "x_mean_mm": millimetres(|settled| settled.tangential_mean),
         "amplitude_mm": millimetres(amplitude),
+        "comes_to_mm": settled.as_ref().and_then(comes_to).map(|length| scales.millimetres(length)),
         "period_s": period.map(|period| scales.seconds(period)),
         "frequency_hz": period.map(|period| scales.hertz(1.0 / period)),
         "contact_force_min_n": forces.map(|forces| forces.0),
@@ -203,10 +214,9 @@ fn summary_keys(scales: &Scales, trajectory: &Trajectory) -> Map<String, Value> 
 fn settled_table(scales: &Scales, trajectory: &Trajectory, settled: &SettledMotion) -> String {
     let last = last_time(trajectory);
     let in_mm = |label: &str, value: f64| row(label, &format!("{value:.6}"), &length(scales.metres(value)));
-    let changes = settled.amplitude_change;
     let mut text = format!(
         "{}, over the last quarter of {last:.1} units of scaled time ({})\n\n",
-        if changes.is_none() { "Settled motion" } else { "Motion that has not settled" },
+        if settled.has_settled { "Settled motion" } else { "Motion that has not settled" },
         duration(scales.seconds(last))
     );
     text += &row("", "scaled", "SI");
@@ -225,14 +235,35 @@ fn settled_table(scales: &Scales, trajectory: &Trajectory, settled: &SettledMoti
     };
     let (low, high) = contact_forces(trajectory);
     text += &row("contact force", "", &format!("{} kN", range(1e-3 * low, 1e-3 * high)));
-    if let Some(change) = changes {
-        text += &format!(
-            "\nIts amplitude still {} by {} % in this time; a longer --horizon shows what it settles to.\n",
-            if change > 0.0 { "grows" } else { "shrinks" },
-            significant(100.0 * change.abs())
-        );
+    if !settled.has_settled {
+        text += &format!("\n{}\n", how_it_goes_on(scales, settled));
     }
     text
+}
+
+/// What is said of a motion that has not settled.
+fn how_it_goes_on(scales: &Scales, settled: &SettledMotion) -> String {
+    let change = settled.amplitude_change.unwrap_or(0.0);
+    let grows = match settled.outcome {
+        Outcome::Amplitude(end) => end > amplitude(settled),
+        Outcome::Sticks => true,
+        Outcome::Unknown => change > 0.0,
+    };
+    // Where it changes less than the steps resolve, its change in this time may have the other sign.
+    let by = match (change > 0.0) == grows && change != 0.0 {
+        true => format!(" by {} % in this time", significant(100.0 * change.abs())),
+        false => ", more slowly than shows in this time".to_owned(),
+    };
+    let to = match settled.outcome {
+        Outcome::Unknown => String::new(),
+        Outcome::Sticks => ", up to stick-slip".to_owned(),
+        Outcome::Amplitude(0.0) => ", down to rest".to_owned(),
+        Outcome::Amplitude(end) => {
+            format!(", {} to {end:.6} ({})", if grows { "up" } else { "down" }, length(scales.metres(end)))
+        }
+    };
+    let way = if grows { "grows" } else { "shrinks" };
+    format!("Its amplitude still {way}{by}{to}; a longer --horizon shows what it settles to.")
 }
 
 /// The columns of a time series: scaled, then the same in SI.

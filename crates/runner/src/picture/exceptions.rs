@@ -1,6 +1,8 @@
-//! What needs a word: samples outside the model, undecided ones and failed ones, and cells without a probability.
+//! What needs a word: samples outside the model, undecided ones and failed ones, unstable ones without a settled amplitude,
+//! and cells without a probability.
 
 use indicatif::HumanCount;
+use stickslip_core::model::recorded::RecordedOf;
 
 use crate::job::{Job, OutsidePhysics};
 use crate::output::counted;
@@ -15,6 +17,8 @@ pub struct Exceptions {
     outside: u64,
     /// The largest share of a cell's samples that is outside the model.
     outside_of_a_cell: f64,
+    /// How many unstable samples have no result that is recorded of unstable ones.
+    unsettled: u64,
     /// In how many cells the probability is not to be trusted, by the column `distrust` less one.
     distrusted: [u64; 6],
 }
@@ -27,6 +31,11 @@ impl Exceptions {
         self.failed += failed;
         self.outside += outside;
         self.outside_of_a_cell = self.outside_of_a_cell.max(outside as f64 / samples.max(1) as f64);
+    }
+
+    /// Adds the unstable samples of a cell whose motion had not settled.
+    pub fn add_unsettled(&mut self, samples: u64) {
+        self.unsettled += samples;
     }
 
     /// Adds a cell with this value in its column `distrust`; 0 if nothing speaks against its probability.
@@ -44,7 +53,8 @@ impl Exceptions {
 
     /// A sentence for each kind there is, without a full stop.
     pub fn sentences(&self, job: &Job) -> Vec<String> {
-        let of_samples = self.outside_the_model(job).into_iter().chain(self.without_verdict());
+        let of_samples =
+            self.outside_the_model(job).into_iter().chain(self.without_verdict()).chain(self.not_settled(job));
         of_samples.chain(self.without_probability(job)).collect()
     }
 
@@ -80,6 +90,18 @@ impl Exceptions {
                     OutsidePhysics::Failed => one_or_more("it counts as failed", "they count as failed"),
                     OutsidePhysics::Clamp => one_or_more("it is moved to its edge", "they are moved to its edge"),
                 }
+            )
+        })
+    }
+
+    fn not_settled(&self, job: &Job) -> Option<String> {
+        let result = job.model().recorded().iter().find(|result| result.of == RecordedOf::Unstable)?;
+        (self.unsettled > 0).then(|| {
+            format!(
+                "{} no {} at the horizon; its mean and quantiles leave {} out",
+                counted(self.unsettled.into(), "unstable sample has", "unstable samples have"),
+                result.noun,
+                if self.unsettled == 1 { "it" } else { "them" }
             )
         })
     }

@@ -15,7 +15,7 @@
 //! long time. It is then simulated again with finer steps (`confirmation`).
 //!
 //! If the settled amplitude is wanted, an unstable motion is simulated until stick-slip has settled or until its swings
-//! are constant. The criterion finds out whether the equilibrium is linearly stable; if it is not, a motion is
+//! are constant, after they have changed: small swings next to a critical speed grow too slowly to show it. The criterion finds out whether the equilibrium is linearly stable; if it is not, a motion is
 //! monitored only for its amplitude.
 
 use crate::model::verdict::Verdict;
@@ -74,6 +74,9 @@ pub(crate) struct FlexibleMonitor {
     equilibrium: f64,
     /// Amplitude below which a shrinking motion counts as returned to the equilibrium: the stated displacement.
     basin: f64,
+    /// Whether the amplitude has clearly grown or shrunk, or the pad has stuck: swings that are constant from the start on
+    /// may be growing too slowly to show it.
+    has_changed: bool,
     /// Amplitude below which a swing counts as still, and how many such swings came in a row.
     still: f64,
     still_swings: u32,
@@ -111,6 +114,7 @@ impl FlexibleMonitor {
             linear_growth_fed_by: options.linear_growth_fed_by,
             equilibrium,
             basin: displacement.min(LARGEST_BASIN) * equilibrium.abs(),
+            has_changed: false,
             still: STILL * equilibrium.abs().min(options.smallest_cycle),
             still_swings: 0,
             last_distance: None,
@@ -163,15 +167,16 @@ impl FlexibleMonitor {
     fn compare_swing(&mut self, time: f64, amplitude: f64) {
         self.notice_hovering(time, amplitude);
         let imitated = self.transients.imitated(time, amplitude);
-        match self.swings.trend(time, imitated) {
+        let trend = self.swings.trend(time, imitated);
+        self.has_changed |= matches!(trend, Trend::Growing | Trend::Shrinking);
+        let is_cycle = if self.is_known_unstable { self.has_changed } else { amplitude > self.basin };
+        match trend {
             // What is still may be errors of the steps, as of a start at the equilibrium itself.
             Trend::Growing if amplitude > self.still || self.is_known_unstable => self.becomes_unstable(),
             Trend::Shrinking if !self.is_known_unstable && amplitude <= self.basin => {
                 self.verdict = Some(Verdict::Stable);
             }
-            Trend::Constant if self.is_known_unstable || amplitude > self.basin => {
-                self.verdict = Some(Verdict::Unstable);
-            }
+            Trend::Constant if is_cycle => self.verdict = Some(Verdict::Unstable),
             Trend::Growing | Trend::Shrinking | Trend::Constant | Trend::Unclear => {}
         }
         self.still_swings = if amplitude <= self.still { self.still_swings + 1 } else { 0 };
@@ -237,6 +242,7 @@ impl Observer for FlexibleMonitor {
     fn sticks(&mut self, time: f64, x: f64) {
         self.last_distance = None;
         self.hovering_from = None;
+        self.has_changed = true;
         if self.swings.sticks(x) {
             self.becomes_unstable();
         }

@@ -12,7 +12,7 @@ use crate::models::pad_on_disc::motion::start::Start;
 use crate::models::pad_on_disc::pad::contact_state::ContactState;
 use crate::models::pad_on_disc::rigid_disc::pad_on_disc::RandomInputs;
 use crate::models::pad_on_disc::trajectory::recording::Trajectory;
-use crate::models::pad_on_disc::trajectory::settled::SettledMotion;
+use crate::models::pad_on_disc::trajectory::settled::{Outcome, SettledMotion};
 
 /// Records the events of a motion, and monitors it until its verdict is certain.
 struct MonitoredLog {
@@ -114,13 +114,17 @@ impl FiniteDifferenceBrake {
             }
         }
         let at_end = if broken { Verdict::Failed } else { Verdict::Undecided };
-        let settled = SettledMotion::summarise(&monitored.log, &moments, intervals, interval);
         let law = self.modal.brake.brake().friction_law().with_static(inputs.static_friction);
         let mut speeds = moments.iter().map(|moment| moment.sliding_speed);
         let lacks_friction = !law.without_friction().is_empty()
             && (law.at_rest() <= 0.0 || speeds.any(|speed| law.coefficient(speed) <= 0.0));
         let verdict = if lacks_friction { Verdict::Stable } else { monitored.verdict.unwrap_or(at_end) };
         let fed_by = (verdict == Verdict::Unstable).then(|| monitored.monitor.fed_by());
+        let outcome = match lacks_friction {
+            true => Outcome::Unknown,
+            false => Outcome::by_verdict(verdict, fed_by, &law),
+        };
+        let settled = SettledMotion::summarise(&monitored.log, &moments, intervals, interval, outcome);
         Ok(Trajectory { moments, interval, settled, verdict, fed_by, lacks_friction })
     }
 }

@@ -13,7 +13,7 @@ use crate::models::pad_on_disc::motion::moment::Moment;
 use crate::models::pad_on_disc::motion::rigid_with_angle::{RigidAngleState, RigidWithAngle};
 use crate::models::pad_on_disc::pad::contact_state::ContactState;
 use crate::models::pad_on_disc::rigid_disc::pad_on_disc::RandomInputs;
-use crate::models::pad_on_disc::trajectory::settled::SettledMotion;
+use crate::models::pad_on_disc::trajectory::settled::{Outcome, SettledMotion};
 
 /// A motion, sampled at even intervals.
 #[derive(Debug, Clone, PartialEq)]
@@ -66,11 +66,29 @@ impl TimeDomain {
                 record(&sample, start, h, steps, |time, state, contact| sample.moment(time, state, contact))
             }
         };
-        let settled = SettledMotion::summarise(&log, &moments, steps, h);
         let Decision { verdict, fed_by, .. } = self.decide(inputs);
         let fed_by = fed_by.map(|place| DegreeOfFreedom::ALL[place]);
         let lacks_friction = self.brake.lacks_friction(inputs) || self.meets_no_friction(inputs);
+        let outcome = if lacks_friction { Outcome::Unknown } else { self.outcome(inputs, verdict, fed_by) };
+        let settled = SettledMotion::summarise(&log, &moments, steps, h, outcome);
         Ok(Trajectory { moments, interval: h, settled, verdict, fed_by, lacks_friction })
+    }
+
+    /// How a motion with friction and with this verdict ends. On a rigid disc its amplitude then is known, whatever its
+    /// own settings ask for.
+    fn outcome(&self, inputs: RandomInputs, verdict: Verdict, fed_by: Option<DegreeOfFreedom>) -> Outcome {
+        let law = self.brake.friction_law();
+        match &self.system {
+            System::Rigid(_) => {
+                let settings = TimeDomainSettings { record_amplitude: true, amplitude_index: None, ..self.settings };
+                let Decision { verdict, fed_by, recorded, .. } = Self { settings, ..self.clone() }.decide(inputs);
+                let fed_by = fed_by.map(|place| DegreeOfFreedom::ALL[place]);
+                recorded[0].map_or_else(|| Outcome::by_verdict(verdict, fed_by, law), Outcome::Amplitude)
+            }
+            // With the paper's index, stable is what has a small amplitude.
+            System::Flexible(_) if self.settings.amplitude_index.is_some() => Outcome::Unknown,
+            System::Flexible(_) => Outcome::by_verdict(verdict, fed_by, law),
+        }
     }
 }
 

@@ -1,5 +1,18 @@
-//! What a motion settles to.
+//! What a motion settles to, and whether it has.
+//!
+//! A motion may grow so slowly that no comparison of its amplitudes shows it: next to the critical speed it grows for any
+//! time, and the steps lose 4e-7 of an amplitude in a cycle. So what is known of its end decides first:
+//!
+//! | known of its end | it has not settled if |
+//! |---|---|
+//! | rest, since it is stable | it still oscillates, or moves |
+//! | the amplitude of its limit cycle, on a rigid disc by the return map | its amplitude differs by more than 0.1 % |
+//! | that it sticks, as no cycle slides all the time | it slides all the time |
+//! | nothing, or nothing of the above | its amplitude rises or falls from part to part: by more than 1e-4, or 1e-6 where it slides all the time |
 
+use crate::friction::law::FrictionLaw;
+use crate::model::verdict::Verdict;
+use crate::models::pad_on_disc::degree_of_freedom::DegreeOfFreedom;
 use crate::models::pad_on_disc::motion::event_log::EventLog;
 use crate::models::pad_on_disc::motion::moment::Moment;
 
@@ -12,8 +25,42 @@ const STILL: f64 = 1e-6;
 /// Parts of that time whose amplitudes are compared.
 const PARTS: usize = 4;
 
-/// An amplitude that changes by no more than this share from the first to the last of them has settled.
+/// An amplitude that changes by no more than this share from the first to the last of them has settled, as far as that
+/// shows; and that of a motion without sticking, which has no events that scatter.
 const SETTLED_CHANGE: f64 = 1e-4;
+const SETTLED_SLIDING: f64 = 1e-6;
+
+/// An amplitude has settled if it differs by no more than this share from the known one: far beyond the errors of the steps.
+const AGREES: f64 = 1e-3;
+
+/// A pad that comes no nearer to the disc's speed than this share of it slides all the time. Between two moments it comes
+/// a thousandth nearer.
+const SLIDES: f64 = 0.1;
+
+/// What is known of the end of a motion.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Outcome {
+    /// Nothing.
+    Unknown,
+    /// It comes to this amplitude, half peak to peak; 0 is rest.
+    Amplitude(f64),
+    /// It comes to the disc's speed again and again.
+    Sticks,
+}
+
+impl Outcome {
+    /// By its verdict, which is none by definition, and what feeds the motion.
+    pub(crate) fn by_verdict(verdict: Verdict, fed_by: Option<DegreeOfFreedom>, law: &FrictionLaw) -> Self {
+        match verdict {
+            Verdict::Stable => Self::Amplitude(0.0),
+            // With these laws no tangential cycle slides all the time.
+            Verdict::Unstable if fed_by == Some(DegreeOfFreedom::Tangential) && law.is_completely_monotone() => {
+                Self::Sticks
+            }
+            Verdict::Unstable | Verdict::Undecided | Verdict::Failed => Self::Unknown,
+        }
+    }
+}
 
 /// What a motion settled to, over the last quarter of its trajectory.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,14 +75,18 @@ pub struct SettledMotion {
     pub period: Option<f64>,
     /// Share of the time spent in stick.
     pub stick_fraction: f64,
-    /// The share by which the amplitude still rises, or falls if negative, from the first to the last of four parts of
-    /// this time; `None` where it does neither from part to part, or a part is shorter than the period.
+    /// Whether it has settled.
+    pub has_settled: bool,
+    /// If it has not, the share by which the amplitude rises, or falls if negative, from the first to the last of four
+    /// parts of this time.
     pub amplitude_change: Option<f64>,
+    /// What is known of its end.
+    pub outcome: Outcome,
 }
 
 impl SettledMotion {
     /// Summarises the end of a motion of `steps` steps, if it reached it.
-    pub(crate) fn summarise(log: &EventLog, moments: &[Moment], steps: u64, h: f64) -> Option<Self> {
+    pub(crate) fn summarise(log: &EventLog, moments: &[Moment], steps: u64, h: f64, outcome: Outcome) -> Option<Self> {
         if steps == 0 || moments.len() as u64 != steps + 1 {
             return None;
         }
@@ -65,23 +116,40 @@ impl SettledMotion {
             let (least, most) = extremes(begin, begin + part);
             most - least
         });
-        let amplitude_change = period.filter(|period| *period <= part).and_then(|_| steady_change(&amplitudes));
+        let slides = moments.iter().filter(|moment| moment.time >= from).all(|moment| {
+            let disc_speed = moment.sliding_speed + moment.tangential.1;
+            moment.sliding_speed > SLIDES * disc_speed
+        });
+        let has_whole_cycles = period.is_some_and(|period| period <= part);
+        let least = if slides { SETTLED_SLIDING } else { SETTLED_CHANGE };
+        let is_changing = has_whole_cycles && changes_steadily(&amplitudes, least);
+        let width = if has_whole_cycles { amplitudes[PARTS - 1] } else { largest - smallest };
+        let differs = match outcome {
+            Outcome::Unknown => false,
+            Outcome::Sticks => slides,
+            Outcome::Amplitude(0.0) => width > STILL * largest.abs(),
+            Outcome::Amplitude(amplitude) => (width - 2.0 * amplitude).abs() > AGREES * width.max(2.0 * amplitude),
+        };
+        let has_settled = !(differs || is_changing);
+        let change = amplitudes[PARTS - 1] / amplitudes[0] - 1.0;
         Some(Self {
             tangential_max: largest,
             tangential_min: smallest,
             tangential_mean: mean(moments, start, to),
             period,
             stick_fraction,
-            amplitude_change,
+            has_settled,
+            amplitude_change: Some(change).filter(|change| !has_settled && change.is_finite()),
+            outcome,
         })
     }
 }
 
-/// The share by which the last of these amplitudes exceeds the first, if they rise or fall all along.
-fn steady_change(amplitudes: &[f64; PARTS]) -> Option<f64> {
+/// Whether these amplitudes rise or fall all along, by more than this share together.
+fn changes_steadily(amplitudes: &[f64; PARTS], least: f64) -> bool {
     let change = amplitudes[PARTS - 1] / amplitudes[0] - 1.0;
     let is_steady = amplitudes.windows(2).all(|pair| (pair[1] - pair[0]) * change > 0.0);
-    (is_steady && change.abs() > SETTLED_CHANGE).then_some(change)
+    is_steady && change.abs() > least
 }
 
 /// The mean of x over a time, by the trapezoidal rule; intervals that reach out of it count by their share in it.
@@ -108,10 +176,26 @@ mod tests {
 
     #[test]
     fn amplitudes_change_steadily_or_not_at_all() {
-        assert!((steady_change(&[1.0, 1.1, 1.3, 1.5]).unwrap() - 0.5).abs() < 1e-15);
-        assert!((steady_change(&[1.0, 0.9, 0.8, 0.7]).unwrap() + 0.3).abs() < 1e-15);
+        assert!(changes_steadily(&[1.0, 1.1, 1.3, 1.5], SETTLED_CHANGE));
+        assert!(changes_steadily(&[1.0, 0.9, 0.8, 0.7], SETTLED_CHANGE));
         // Beats, and a change that is lost among others.
-        assert_eq!(steady_change(&[1.0, 1.3, 1.2, 1.5]), None);
-        assert_eq!(steady_change(&[1.0, 1.000_01, 1.000_02, 1.000_05]), None);
+        assert!(!changes_steadily(&[1.0, 1.3, 1.2, 1.5], SETTLED_CHANGE));
+        assert!(!changes_steadily(&[1.0, 1.000_01, 1.000_02, 1.000_05], SETTLED_CHANGE));
+        assert!(changes_steadily(&[1.0, 1.000_01, 1.000_02, 1.000_05], SETTLED_SLIDING));
+    }
+
+    #[test]
+    fn a_verdict_says_how_a_motion_ends_where_nothing_can_slide_for_ever() {
+        let tangential = Some(DegreeOfFreedom::Tangential);
+        let law = |exponent: f64| FrictionLaw::stribeck(0.4, 0.25, 0.7, exponent);
+        for (verdict, fed_by, exponent, outcome) in [
+            (Verdict::Stable, None, 2.0, Outcome::Amplitude(0.0)),
+            (Verdict::Unstable, tangential, 1.0, Outcome::Sticks),
+            (Verdict::Unstable, tangential, 2.0, Outcome::Unknown),
+            (Verdict::Unstable, Some(DegreeOfFreedom::Normal), 1.0, Outcome::Unknown),
+            (Verdict::Undecided, None, 1.0, Outcome::Unknown),
+        ] {
+            assert_eq!(Outcome::by_verdict(verdict, fed_by, &law(exponent)), outcome, "{verdict:?} {exponent}");
+        }
     }
 }

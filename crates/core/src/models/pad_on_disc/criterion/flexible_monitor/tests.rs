@@ -329,6 +329,19 @@ fn where_the_amplitude_is_wanted_the_motion_is_simulated_until_its_means_agree()
 }
 
 #[test]
+fn swings_that_grow_too_slowly_to_show_it_have_no_settled_amplitude() {
+    let wanted = MonitorOptions { until_settled: true, ..REPELLED };
+    // By 3e-8 of the amplitude in a swing: by 3e-5 in a thousand of them.
+    let mut driven = Driven::with(wanted, DISPLACEMENT);
+    assert_eq!(driven.swings(|time| 0.01 * libm::exp(1e-8 * time)), None);
+    assert!(driven.monitor.is_unstable());
+    // Swings that have grown before they are constant are those of a cycle.
+    let mut driven = Driven::with(wanted, DISPLACEMENT);
+    let found = driven.swings(|time| 0.3 - 0.29 * libm::exp(-0.05 * time));
+    assert!(found.is_some_and(|(verdict, amplitude)| verdict == Verdict::Unstable && amplitude > 0.299), "{found:?}");
+}
+
+#[test]
 fn the_amplitude_of_stick_slip_that_scatters_is_its_mean() {
     let mut driven = Driven::with(MonitorOptions { until_settled: true, ..options(RINGS_NEVER) }, DISPLACEMENT);
     for stick in 0..21 {
