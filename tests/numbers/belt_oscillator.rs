@@ -129,8 +129,10 @@ fn analyse_names_every_range_of_speed_in_which_sliding_is_unstable() {
 fn analyse_names_every_range_of_speed_with_limit_cycles() {
     let place = Place::new();
     let twice = "law = \"table\"\ntable = { speed = [0.0, 0.05, 0.1, 0.2, 0.4, 0.8, 1.2], coefficient = [0.7, 0.7, 0.4, 0.4, 0.8, 0.2, 0.2] }";
-    let (stick_slip, sliding) =
-        ([[0.034_805_5, 0.140_711_5], [0.404_344_8, 0.599_373_6]], [[0.529_883_5, 1.028_505_0]]);
+    let (stick_slip, sliding) = (
+        [[0.034_805_5, 0.140_711_5], [0.404_344_8, 0.599_373_6]],
+        [[0.050_561_9, 0.050_563_6], [0.099_436_4, 0.099_438_1], [0.418_647_1, 0.454_480_6], [0.529_883_5, 1.028_505_0]],
+    );
     let ends = stick_slip.iter().chain(&sliding).flatten().copied();
     let mut speeds: Vec<f64> = ends.flat_map(|end| [0.99, 1.01].map(|factor| factor * end)).collect();
     speeds.sort_by(f64::total_cmp);
@@ -151,12 +153,13 @@ fn analyse_names_every_range_of_speed_with_limit_cycles() {
     }
     assert_eq!(json["unresolved_speeds"], serde_json::json!([]));
     assert_eq!(json["end_of_stick_slip"], json["stick_slip_speeds"][1][1]);
-    assert_eq!(json["end_of_cycles"], json["sliding_cycle_speeds"][0][1]);
+    assert_eq!(json["end_of_cycles"], json["sliding_cycle_speeds"][3][1]);
     let said = place.run("analyse --job job.toml").done().stdout;
     assert!(
         said.contains(
             "stick-slip         from 0.03481 to 0.1407 m/s, from 0.4043 to 0.5994 m/s\n\
-             without sticking   a limit cycle from 0.5299 to 1.029 m/s\n"
+             without sticking   a limit cycle next to 0.05056 m/s, next to 0.09944 m/s, from 0.4186 to 0.4545 m/s, \
+             from 0.5299 to 1.029 m/s\n"
         ),
         "{said}"
     );

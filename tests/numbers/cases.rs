@@ -170,7 +170,8 @@ fn a_limit_cycle_that_outlasts_stick_slip_is_found_and_named() {
         assert!(
             said.contains(
                 "stick-slip         from 0.4437 to 2.778 m/s\n\
-                 without sticking   a limit cycle from 0.3063 to 0.4437 m/s, from 2.778 to 3.887 m/s\n"
+                 without sticking   a limit cycle from 0.3063 to 0.4437 m/s, from 1.921 to 1.922 m/s, \
+                 from 2.778 to 3.887 m/s\n"
             ),
             "{said}"
         );

@@ -96,7 +96,8 @@ fn every_method_takes_what_slides_steadily_without_friction_for_stable() {
     let conditional = p(&submitted(&place, "conditional", &conditional));
     assert!((conditional - 0.572_708).abs() < 0.005, "{conditional}");
     for (name, inputs, expected) in [("one", one, 0.590_669), ("both", both, 0.572_708)] {
-        for policy in ["stable", "failed"] {
+        // The edge to which samples are moved is outside the model too: friction is 0 there.
+        for policy in ["stable", "failed", "clamp"] {
             let criterion = format!("outside_physics = \"{policy}\"");
             let name = format!("{name}-{policy}");
             let table = submitted(&place, &name, &text("-3.9", inputs, &criterion, "samples = 100_000"));
@@ -105,6 +106,34 @@ fn every_method_takes_what_slides_steadily_without_friction_for_stable() {
             assert!((unstable / 1e5 - expected).abs() < 0.007, "{name}: {numbers:?}");
             assert_eq!((stable + failed, outside + unstable), (outside, 1e5), "{name}: {numbers:?}");
             assert_eq!(failed > 0.0, policy == "failed", "{name}");
+        }
+    }
+}
+
+/// 3.75 standard deviations down the curve is 0.3 - 3.75 * 0.08 = 0 at 2 m/s, where it still falls.
+#[test]
+fn what_slides_steadily_with_a_coefficient_of_0_is_outside_the_model_for_all_commands() {
+    let place = Place::new();
+    let rotating_speed = 2.0 / 0.135;
+    for (band, is_outside) in [("-3.75", true), ("-3.7499", false)] {
+        for (kind, further) in [("eigenvalue", ""), ("coupled-eigenvalue", ""), ("time-domain", "disc = \"rigid\"")] {
+            let text = format!(
+                "name = \"zero\"\n[model.friction]\n{TABLE}\nband = {band}\n[axes]\nrotating_speed = {rotating_speed}\n\
+                 preload = 0.1\nstatic_friction = 0.45\n[random]\ninputs = []\n[criterion]\nkind = \"{kind}\"\n{further}\n\
+                 [sampling]\nsamples = 1\n"
+            );
+            // What slides with friction only just loses it as it moves.
+            let counted = is_outside || kind == "time-domain";
+            let table = submitted(&place, &format!("{kind}{band}"), &text);
+            let numbers = ["n_outside_physics", "n_stable"].map(|name| table.column(name)[0]);
+            assert_eq!(numbers[0] == 1.0, counted, "{kind} {band}: {numbers:?}");
+            assert_eq!(numbers[1] == 1.0, counted, "{kind} {band}: {numbers:?}");
+            place.write("job.toml", &text);
+            let checked = place.run("check job.toml").done().stderr;
+            assert!(checked.contains("the friction coefficient is at or below 0 at"), "{checked}");
+            let said = place.run("analyse job.toml --json").done().stdout;
+            let analysis: serde_json::Value = serde_json::from_str(&said).unwrap();
+            assert_eq!(analysis["without_friction"]["steady_sliding"], is_outside, "{kind} {band}: {said}");
         }
     }
 }

@@ -509,12 +509,25 @@ mod tests {
                 let law = law.with_static(static_coefficient);
                 law.at_rest().min(law.coefficient(speed))
             };
-            assert!(at(least).abs() < 1e-15 && at(least + 1e-6) > 0.0 && at(least - 1e-6) < 0.0, "{shift} {speed}");
+            assert!(at(least).abs() < 2.0 * NOTHING, "{shift} {speed}");
+            assert!(at(least + 1e-6) > 0.0 && at(least - 1e-6) < 0.0, "{shift} {speed}");
         }
         // Nothing gives friction at a row of 0 but a shift up.
         assert_eq!(shifted_down(&[0.4, 0.0, 0.3], 0.0).least_static_coefficient(2.0), f64::INFINITY);
         assert!(shifted_down(&[0.4, 0.0, 0.3], -1.0).least_static_coefficient(2.0) < 0.0);
         assert_eq!(law(1.0).least_static_coefficient(2.0), 0.25);
+    }
+
+    #[test]
+    fn what_is_0_at_a_speed_is_below_the_least_static_coefficient_and_among_the_speeds_without_friction() {
+        // 0.3 - 0.1 shift at 2 m/s, and the unshifted curve without any.
+        for (shift, static_coefficient) in [(3.0, 0.4), (0.0, 0.0)] {
+            let law = FrictionLaw { static_coefficient, ..shifted_down(&[0.4, 0.1, 0.3, 0.35], shift) };
+            let speed = 4.0;
+            assert!(law.coefficient(speed).abs() < 1e-15);
+            assert!(static_coefficient < law.least_static_coefficient(speed), "{shift}");
+            assert!(law.without_friction().iter().any(|[from, to]| *from <= speed && speed <= *to), "{shift}");
+        }
     }
 
     #[test]

@@ -285,11 +285,24 @@ impl MeasuredCurve {
     }
 
     /// The least value at rest with which the curve, shifted by `shift` standard deviations, has friction at rest and at a
-    /// speed in m/s; infinite if none gives it any.
+    /// speed in m/s, more than [`NOTHING`]; infinite if none gives it any.
     #[inline(always)]
     pub(crate) fn least_at_rest(&self, speed: f64, shift: f64) -> f64 {
+        // A curve that is not shifted vanishes with its value at rest alone.
+        let margin = if shift < 0.0 { NOTHING } else { f64::MIN_POSITIVE };
+        self.at_rest_with(speed, shift, margin)
+    }
+
+    /// The value at rest with which it is 0 at rest or at that speed, and below 0 at neither; infinite if there is none.
+    pub(crate) fn vanishes_at_rest(&self, speed: f64, shift: f64) -> f64 {
+        self.at_rest_with(speed, shift, 0.0)
+    }
+
+    /// The least value at rest with which it is no less than `coefficient` at rest and at that speed.
+    #[inline(always)]
+    fn at_rest_with(&self, speed: f64, shift: f64, coefficient: f64) -> f64 {
         let (shape, deviation) = self.values(speed);
-        let [at_rest, needed] = [self.values(0.0).1, deviation].map(|deviation| 0.0 - shift * deviation);
+        let [at_rest, needed] = [self.values(0.0).1, deviation].map(|deviation| coefficient - shift * deviation);
         let at_speed = if shape > NOTHING {
             needed / shape
         } else if needed < 0.0 {

@@ -255,8 +255,8 @@ impl Evaluator<'_> {
         let pair = self.job.model().pair()?;
         cell.expected[pair[varied]] = 1.0;
         let outside = match self.job.outside_physics {
-            OutsidePhysics::Stable => Outside::Stable,
-            OutsidePhysics::Clamp => Outside::Clamped,
+            // At the edge of the model nothing is pressed, friction does not fall, or there is none: all is stable.
+            OutsidePhysics::Stable | OutsidePhysics::Clamp => Outside::Stable,
             OutsidePhysics::Failed => Outside::WithoutVerdict,
         };
         // Where every sample has a configuration of its own, its second quantity must be admissible.

@@ -5,15 +5,12 @@
 //! critical input `c` is unstable for expected values above `c / r`.
 
 use stickslip_core::model::pair_boundary::PairBoundary;
-use stickslip_core::model::verdict::Verdict;
 
 /// What happens to samples outside the model: whose first input is not positive, or whose second is below the least.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum OutsidePhysics {
-    /// They are stable.
+    /// They are stable, where they are or moved to the edge of the model: nothing is unstable there.
     Stable,
-    /// The input is raised to the border, and the sample decided there.
-    Clamped,
     /// They have no verdict.
     WithoutVerdict,
 }
@@ -75,12 +72,11 @@ impl Spans {
         let Sample { boundary, ratio, other, most_second } = *sample;
         let least = boundary.least_second;
         let is_outside = other < least || ratio <= 0.0;
-        let second = if outside == OutsidePhysics::Clamped && least.is_finite() { other.max(least) } else { other };
-        if second > most_second || (is_outside && outside == OutsidePhysics::WithoutVerdict) {
+        if other > most_second || (is_outside && outside == OutsidePhysics::WithoutVerdict) {
             return Self::without_verdict();
         }
         // Infinite for second inputs outside the model.
-        let critical = boundary.critical_first(second);
+        let critical = boundary.critical_first(other);
         let unstable = if ratio > 0.0 { [critical / ratio, f64::INFINITY] } else { NOWHERE };
         Self { unstable, without_verdict: [NOWHERE; 2] }
     }
@@ -91,12 +87,7 @@ impl Spans {
         if first <= 0.0 && outside == OutsidePhysics::WithoutVerdict {
             return Self::without_verdict();
         }
-        let (mut above, below) = boundary.unstable_second(first);
-        // With an infinite one nothing is inside the model, and nothing is moved there.
-        let is_moved = outside == OutsidePhysics::Clamped && least.is_finite();
-        if is_moved && boundary.verdict(first, least) == Verdict::Unstable {
-            above = f64::NEG_INFINITY;
-        }
+        let (above, below) = boundary.unstable_second(first);
         let too_little = if outside == OutsidePhysics::WithoutVerdict { [f64::NEG_INFINITY, least] } else { NOWHERE };
         Self {
             unstable: scaled([above, below.min(most_second)], ratio),

@@ -177,7 +177,10 @@ fn listed(ranges: &[SpeedRange]) -> String {
         (true, true) => "at every belt speed".to_owned(),
         (true, false) => format!("below {} m/s", significant(to)),
         (false, true) => format!("above {} m/s", significant(from)),
-        (false, false) => format!("from {} to {} m/s", significant(from), significant(to)),
+        (false, false) => match [from, to].map(significant) {
+            [from, to] if from == to => format!("next to {from} m/s"),
+            [from, to] => format!("from {from} to {to} m/s"),
+        },
     };
     ranges.iter().map(in_words).collect::<Vec<_>>().join(", ")
 }

@@ -1,6 +1,7 @@
 //! Spans against the verdicts of single samples.
 
 use stickslip_core::friction::measured_curve::{MeasuredCurve, SharedCurve};
+use stickslip_core::model::verdict::Verdict;
 use stickslip_core::models::pad_on_disc::parameters::Parameters;
 use stickslip_core::models::pad_on_disc::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
 
@@ -9,12 +10,9 @@ use super::*;
 /// What a sample counts as at an expected value, decided as a run decides it.
 fn counted(sample: &Sample, varied: usize, outside: OutsidePhysics, value: f64) -> (bool, bool) {
     let least = sample.boundary.least_second;
-    let (mut preload, mut friction) =
+    let (preload, friction) =
         if varied == 0 { (value * sample.ratio, sample.other) } else { (sample.other, value * sample.ratio) };
     let is_outside = RandomInputs { preload, static_friction: friction }.are_outside_physics(least);
-    if outside == OutsidePhysics::Clamped {
-        (preload, friction) = (preload.max(0.0), friction.max(least));
-    }
     let fails = (is_outside && outside == OutsidePhysics::WithoutVerdict) || friction > sample.most_second;
     (!fails && sample.boundary.verdict(preload, friction) == Verdict::Unstable, fails)
 }
@@ -55,8 +53,7 @@ fn spans_are_where_single_samples_are_unstable_or_fail() {
             for (varied, others) in [(0, [-0.2, 0.0, 0.1, 0.26, 0.39, 0.8]), (1, [-0.1, 0.0, 0.01, 0.1, 0.3, 2.0])] {
                 for other in others {
                     for most_second in [0.7, f64::INFINITY] {
-                        for outside in [OutsidePhysics::Stable, OutsidePhysics::Clamped, OutsidePhysics::WithoutVerdict]
-                        {
+                        for outside in [OutsidePhysics::Stable, OutsidePhysics::WithoutVerdict] {
                             let sample = Sample { boundary, ratio, other, most_second };
                             let spans = Spans::new(&sample, varied, outside);
                             for i in 0..300 {
@@ -79,5 +76,5 @@ fn spans_are_where_single_samples_are_unstable_or_fail() {
             }
         }
     }
-    assert!(unstable > 10_000 && failed > 10_000 && below > 0, "{unstable} {failed} {below}");
+    assert!(unstable > 5000 && failed > 5000 && below > 0, "{unstable} {failed} {below}");
 }

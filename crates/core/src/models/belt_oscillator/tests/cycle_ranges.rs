@@ -76,10 +76,13 @@ fn a_curve_with_two_falling_parts_has_two_ranges_of_stick_slip_and_cycles_withou
     let (first, second) = ([0.034_805_549_4, 0.140_711_521_6], [0.404_344_808, 0.599_373_6]);
     let sliding = [0.529_883_46, 1.028_504_98];
     assert_ranges(&found.stick_slip, &[first, second]);
-    assert_ranges(&found.without_sticking, &[sliding]);
+    // Where sliding loses its stability, at -mu' = 0.4, small swings are limited from both sides: 0.4544806 by an integration of
+    // adaptive order 8. About 0.05 and 0.1 m/s the curve is its own mirror image, and so are these two ranges.
+    let [one, other] = [[0.050_561_869_5, 0.050_563_564_4], [0.099_436_435_6, 0.099_438_130_5]];
+    assert_ranges(&found.without_sticking, &[one, other, [0.418_647_059_9, 0.454_480_6], sliding]);
     assert!(found.unresolved.is_empty(), "{found:?}");
     assert_eq!(found.end_of_stick_slip(), Some(found.stick_slip[1].to));
-    assert_eq!(found.end_of_cycles(), Some(found.without_sticking[0].to));
+    assert_eq!(found.end_of_cycles(), Some(found.without_sticking[3].to));
 
     let curve = MeasuredCurve::new(&SPEEDS, &COEFFICIENTS, None).unwrap();
     let mu = |speed: f64| curve.coefficient(speed);
@@ -137,10 +140,14 @@ fn a_curve_that_rises_from_rest_sticks_and_slips_between_two_speeds() {
     let between = |found: &SpeedRange, [from, to]: [f64; 2]| {
         assert!((found.from / from - 1.0).abs() < 1e-5 && (found.to / to - 1.0).abs() < 1e-5, "{found:?} {from} {to}");
     };
-    assert_eq!((found.stick_slip.len(), found.without_sticking.len()), (1, 2), "{found:?}");
+    assert_eq!((found.stick_slip.len(), found.without_sticking.len()), (1, 3), "{found:?}");
     between(&found.stick_slip[0], [0.443_715_5, 2.778_244_9]);
     between(&found.without_sticking[0], [0.306_317_3, 0.443_715_5]);
-    between(&found.without_sticking[1], [2.778_244_9, 3.886_93]);
+    // Just below the upper end of unstable sliding, at 1.92185632 m/s; by an integration of adaptive order 8 a small swing is limited
+    // at 1.9216, and none is at 1.9206 m/s.
+    let SpeedRange { from, to } = found.without_sticking[1];
+    assert!((1.9206..1.9216).contains(&from) && (to - 1.921_856_32).abs() < 1e-8, "{found:?}");
+    between(&found.without_sticking[2], [2.778_244_9, 3.886_93]);
     assert!(found.unresolved.is_empty(), "{found:?}");
 }
 

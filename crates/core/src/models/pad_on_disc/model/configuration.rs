@@ -18,7 +18,7 @@ use crate::models::pad_on_disc::motion::start::{GivenStart, Start};
 use crate::models::pad_on_disc::motion::start_value::StartValue;
 use crate::models::pad_on_disc::parameters::{EFFECTIVE_RADIUS_KEY, Scalar};
 use crate::models::pad_on_disc::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
-use crate::models::pad_on_disc::rigid_disc::varying_brake::VaryingBrake;
+use crate::models::pad_on_disc::rigid_disc::varying_brake::{HIGHEST_FRICTION, VaryingBrake};
 
 use super::definition::Criterion;
 use super::linear_results::{LinearRecord, Sample};
@@ -216,13 +216,29 @@ impl LeastStatic<'_> {
     fn of(&self, sample: usize) -> f64 {
         match self.curve {
             Some(curve) if self.varies() => {
-                let [radius, speed, shift] =
-                    self.of_curve.map(|(column, expected)| column.map_or(expected, |column| column[sample]));
+                let [radius, speed, shift] = self.curve_at(sample);
                 curve.least_at_rest(radius * speed, shift)
             }
             Some(_) => self.shared,
             None => self.kinetic.map_or(self.shared, |column| column[sample]),
         }
+    }
+
+    /// The static friction coefficient at the edge of the model: there a measured curve is 0, which is outside, and friction
+    /// of another law does not fall, which is not.
+    fn edge(&self, sample: usize) -> f64 {
+        match self.curve {
+            Some(curve) => {
+                let [radius, speed, shift] = self.curve_at(sample);
+                curve.vanishes_at_rest(radius * speed, shift)
+            }
+            None => self.of(sample),
+        }
+    }
+
+    /// Effective radius, rotating speed and shift of a sample.
+    fn curve_at(&self, sample: usize) -> [f64; 3] {
+        self.of_curve.map(|(column, expected)| column.map_or(expected, |column| column[sample]))
     }
 }
 
@@ -333,10 +349,10 @@ impl Configuration for PadConfiguration {
     fn clamped(&self, samples: &Columns<'_>) -> Option<[Vec<f64>; 2]> {
         let least = self.least_static(samples);
         let preloads = samples.column(0).iter().map(|preload| preload.max(0.0)).collect();
-        // Nothing moves a curve that no static friction gives friction.
+        // Nothing moves a curve that no admissible static friction gives friction.
         let clamped = |(sample, friction): (usize, &f64)| {
-            let least = least.of(sample);
-            if least.is_finite() { friction.max(least) } else { *friction }
+            let edge = least.edge(sample);
+            if edge <= HIGHEST_FRICTION { friction.max(edge) } else { *friction }
         };
         let frictions = samples.column(1).iter().enumerate().map(clamped).collect();
         Some([preloads, frictions])
