@@ -19,6 +19,9 @@ use crate::schedule::trial::{SampleTrial, Trial};
 const TOLD_SECONDS: f64 = 1.0;
 const TOLD_SHARE: f64 = 0.1;
 
+/// Seconds in which a run starts, and writes its files to the disk, as measured with solid-state ones.
+const FILES: f64 = 0.02;
+
 /// The measured cost of a job.
 pub(super) struct Cost {
     /// What it is, as comments.
@@ -68,7 +71,7 @@ pub(super) fn measured(job: &Job, threads: usize, begun: Instant) -> Result<Cost
     let engine = Engine::new(threads)?;
     let evaluator = Evaluator::new(job)?;
     // A run reads its job and prepares it likewise.
-    let preparation = begun.elapsed().as_secs_f64();
+    let preparation = begun.elapsed().as_secs_f64() + FILES;
     let stage = Stage { job, engine: &engine, threads, begun, preparation };
     match (job.uses_maps(), job.draws_samples()) {
         (true, _) => stage.maps(&evaluator),
