@@ -131,7 +131,12 @@ fn analyse_names_every_range_of_speed_with_limit_cycles() {
     let twice = "law = \"table\"\ntable = { speed = [0.0, 0.05, 0.1, 0.2, 0.4, 0.8, 1.2], coefficient = [0.7, 0.7, 0.4, 0.4, 0.8, 0.2, 0.2] }";
     let (stick_slip, sliding) = (
         [[0.034_805_5, 0.140_711_5], [0.404_344_8, 0.599_373_6]],
-        [[0.050_561_9, 0.050_563_6], [0.099_436_4, 0.099_438_1], [0.418_647_1, 0.454_480_6], [0.529_883_5, 1.028_505_0]],
+        [
+            [0.050_561_9, 0.050_563_6],
+            [0.099_436_4, 0.099_438_1],
+            [0.418_647_1, 0.454_480_6],
+            [0.529_883_5, 1.028_505_0],
+        ],
     );
     let ends = stick_slip.iter().chain(&sliding).flatten().copied();
     let mut speeds: Vec<f64> = ends.flat_map(|end| [0.99, 1.01].map(|factor| factor * end)).collect();

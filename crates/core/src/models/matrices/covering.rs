@@ -4,7 +4,7 @@ use super::branches::Path;
 use super::discs::{Discs, Expansion};
 use super::error::Error;
 use super::quadratic::DenseQuadratic;
-use super::region::{RESOLUTION, Region, ZERO};
+use super::region::{RESOLUTION, Region};
 use super::sweep::{Intervals, middle};
 use crate::model::critical_values::{OnInterval, UnstableValues};
 
@@ -17,6 +17,10 @@ const ROUNDED: f64 = 12.0;
 
 /// How much of its way over an interval, at its least slope, an eigenvalue may be off that passes an edge in it.
 const CROSSING: f64 = 0.25;
+
+/// Growth of a real eigenvalue that is zero all along, as far as rounding tells, from which on it would count; in the unit of the
+/// problem.
+const GROWTH_RESOLUTION: f64 = 1e-10;
 
 /// Parts of half of an interval, from its middle, at which it is asked whether rounding alone hides what is unstable.
 const PLACES: [f64; 3] = [0.0, -0.6, 0.6];
@@ -156,18 +160,20 @@ impl<'a> Covering<'a> {
         (0..discs.radii.len()).map(|index| self.eigenvalue(discs, index)).collect()
     }
 
-    /// An eigenvalue beside the threshold itself; where it is on that all along, as far as rounding tells, beside the one below which
-    /// samples count as unstable, so that undamped ones are stable.
+    /// An eigenvalue beside the threshold itself; where it is on that all along, as far as rounding tells, beside one that it is clear
+    /// of, as that of samples, so that undamped ones are stable.
     fn eigenvalue(&self, discs: &Discs, index: usize) -> Seen {
-        let beside = |by: f64| self.beside(discs, index, self.region.damping_ratio - by);
-        let seen = beside(0.0);
+        let seen = self.beside(discs, index, [0.0; 2]);
         let of_rounding = ROUNDED * discs.rounding[index];
         let is_on = |distance: &Distance| -distance.least < of_rounding && distance.most < of_rounding;
-        if seen.distances.first().is_some_and(is_on) { beside(RESOLUTION) } else { seen }
+        let is_on = seen.distances.first().is_some_and(is_on);
+        if is_on { self.beside(discs, index, [RESOLUTION, GROWTH_RESOLUTION]) } else { seen }
     }
 
-    fn beside(&self, discs: &Discs, index: usize, threshold: f64) -> Seen {
+    /// An eigenvalue beside a damping ratio that is so much below the threshold, and beside so much growth of real ones.
+    fn beside(&self, discs: &Discs, index: usize, [below, growth]: [f64; 2]) -> Seen {
         let Region { lowest, highest, damping_ratio } = *self.region;
+        let threshold = damping_ratio - below;
         let (step, centre) = (discs.step, discs.centres[index]);
         let sign = if centre[0].im < 0.0 { -1.0 } else { 1.0 };
         let isolated = discs.radii[index];
@@ -184,7 +190,7 @@ impl<'a> Covering<'a> {
         let mut distances = Vec::new();
         if is_real {
             if lowest <= 0.0 {
-                distances.push(of(1.0, 0.0, -ZERO));
+                distances.push(of(1.0, 0.0, -growth));
             }
         } else {
             let cosine = ((1.0 - threshold) * (1.0 + threshold)).max(0.0).sqrt();
@@ -209,7 +215,7 @@ impl<'a> Covering<'a> {
             let least = distances.iter().map(|distance| distance.least).fold(f64::INFINITY, f64::min);
             let most = distances.iter().map(|distance| distance.most).fold(f64::INFINITY, f64::min);
             // Next to zero nothing is unstable.
-            if is_real { (least, -most) } else { (least - 2.0 * ZERO, (-most).max(ZERO - re.max(im))) }
+            if is_real { (least, -most) } else { (least - 2.0 * growth, (-most).max(growth - re.max(im))) }
         };
         // It is its own mirror image in the middle and never meets another one; no other disc can have zero, as those of others are
         // at most half as large as their distance from this one.

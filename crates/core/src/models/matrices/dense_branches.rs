@@ -32,12 +32,14 @@ impl Branches for DenseBranches<'_> {
 }
 
 impl Place for DensePlace {
-    /// All eigenvalues that are not below the real axis; those that are nearly defective without vectors.
+    /// All eigenvalues that are not below the real axis and not known to be zero; those that are nearly defective without vectors.
     fn pairs(&self, _: &Region) -> Result<Vec<Pair>, Error> {
         let without_vectors =
             |eigenvalue| Pair { eigenvalue, right: Vec::new(), left: Vec::new(), error: f64::INFINITY };
         if let Some((basis, conditions)) = Eigenbasis::with_conditions(&self.problem) {
-            let upper = (0..basis.eigenvalues.len()).filter(|&place| basis.eigenvalues[place].im >= 0.0);
+            let zeros = self.problem.known_zeros(&basis.eigenvalues);
+            let is_upper = |place: &usize| basis.eigenvalues[*place].im >= 0.0 && !zeros.contains(place);
+            let upper = (0..basis.eigenvalues.len()).filter(is_upper);
             let pair = |place: usize| {
                 let eigenvalue = basis.eigenvalues[place];
                 if conditions[place].is_nan() || conditions[place] > WORST_CONDITION {
@@ -51,7 +53,9 @@ impl Place for DensePlace {
         }
         let not_converged = |_| Error::NotConverged { re: f64::NAN, im: f64::NAN };
         let values = self.problem.eigenvalues().map_err(not_converged)?;
-        Ok(values.into_iter().filter(|value| value.im >= 0.0).map(without_vectors).collect())
+        let zeros = self.problem.known_zeros(&values);
+        let upper = values.into_iter().enumerate().filter(|(place, value)| value.im >= 0.0 && !zeros.contains(place));
+        Ok(upper.map(|(_, value)| without_vectors(value)).collect())
     }
 
     fn refine(&self, start: &Pair) -> Result<Pair, Error> {

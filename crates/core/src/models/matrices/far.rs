@@ -63,7 +63,8 @@ impl SafeChanges {
             let mut coefficients = origin.to_vec();
             changing.iter().zip(delta).for_each(|(&k, delta)| coefficients[k] += delta);
             let mut all = problem.at(&coefficients).eigenvalues().ok()?;
-            all.retain(|value| value.im >= 0.0);
+            // Zeros are those that are so whatever the coefficients.
+            all.retain(|value| value.im >= 0.0 && *value != Eigenvalue::from(0.0));
             for mode in follow(delta)?.iter().filter(|mode| mode.eigenvalue.im > -1e-9) {
                 let between = |value: &Eigenvalue| magnitude(mode.eigenvalue - *value);
                 let nearest = (0..all.len()).min_by(|&i, &j| between(&all[i]).total_cmp(&between(&all[j])))?;

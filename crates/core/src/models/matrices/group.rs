@@ -59,6 +59,36 @@ impl Group {
         Self { modes, eigenvalues, entries, sides }
     }
 
+    pub(super) fn eigenvalues(&self) -> &[Eigenvalue] {
+        &self.eigenvalues
+    }
+
+    /// About the square of what couples the modes of this group with those of another, which two eigenvalues repel each other by:
+    /// the products of what their vectors of first and of second order from both sides have of them.
+    pub(super) fn coupling(&self, other: &Self, monomials: &Monomials) -> f64 {
+        let states = self.sides[0][0].width() / self.modes.len();
+        let pairs = self
+            .eigenvalues
+            .iter()
+            .enumerate()
+            .flat_map(|own| other.modes.iter().zip(&other.eigenvalues).map(move |other| (own, other)));
+        let square = |((column, own), (mode, value)): ((usize, &Eigenvalue), (&usize, &Eigenvalue))| {
+            let entry = mode + states * column;
+            let share = |[first, second]: &[Polynomial; 2]| {
+                let orders = [(first, &monomials.first), (second, &monomials.second)];
+                let sizes = orders.map(|(order, monomials)| {
+                    let values =
+                        if order.width() == 0 { Vec::new() } else { order.values(entry..entry + 1, monomials) };
+                    values.into_iter().map(magnitude).sum::<f64>()
+                });
+                sizes[0] + sizes[1]
+            };
+            let [right, left] = self.sides.each_ref().map(share);
+            right * left * (own - value).norm_sqr()
+        };
+        pairs.map(square).sum()
+    }
+
     /// From the squared norms of the vectors of first and of second order, those from the right in the real parts: a bound of
     /// the error of P, infinite where orders hardly fall; and an estimate of that error which is left in
     /// eigenvalues that come from the vectors, by extrapolation of the second and the third order to the sixth.

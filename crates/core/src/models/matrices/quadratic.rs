@@ -220,12 +220,21 @@ impl Quadratic {
     /// As [`eigenvalues`].
     pub fn eigenvalues(&self) -> Result<Vec<Eigenvalue>, EigenvalueError> {
         let mut values = eigenvalues(&self.companion())?;
-        let mut rising: Vec<usize> = (0..values.len()).collect();
-        if self.zeros > 0 {
-            rising.sort_by(|a, b| magnitude(values[*a]).total_cmp(&magnitude(values[*b])));
+        for place in self.known_zeros(&values) {
+            values[place] = Eigenvalue::from(0.0);
         }
-        rising.iter().take(self.zeros).for_each(|&place| values[place] = Eigenvalue::from(0.0));
         Ok(values)
+    }
+
+    /// Which of all eigenvalues are those that are known to be zero.
+    pub(super) fn known_zeros(&self, values: &[Eigenvalue]) -> Vec<usize> {
+        if self.zeros == 0 {
+            return Vec::new();
+        }
+        let mut rising: Vec<usize> = (0..values.len()).collect();
+        rising.sort_by(|a, b| magnitude(values[*a]).total_cmp(&magnitude(values[*b])));
+        rising.truncate(self.zeros);
+        rising
     }
 
     /// `lambda^2 + lambda C + K`.

@@ -21,6 +21,10 @@
 //! the vectors, and `Y (lambda_r - lambda_c) X (Y X)^2`. The last is the error of two modes that changes couple and move
 //! alike: their vectors of second order vanish, and with them the other quantities. It is part of the bound too.
 //!
+//! Two groups that come near each other are a case of its own. What couples them may be little beside what couples each with
+//! all others, and is not seen in these norms; but where they meet it decides. With the coupling c of both and the distance g of
+//! their eigenvalues at the sample, these are off by less than `c^2 / g`, and are not told where g is not well above c.
+//!
 //! Modes far from the region are not followed; how far changes may go before one comes near is measured
 //! ([`far`](super::far)).
 
@@ -46,6 +50,12 @@ const TYPICAL_CHANGE: f64 = 0.1;
 /// Mixing of two modes by typical changes from which on they are in one group.
 const STRONG_COUPLING: f64 = 0.2;
 
+/// Two groups are near each other if their distance is below this part of that at the origin.
+const NEAR: f64 = 0.5;
+
+/// What the error that their coupling makes is multiplied by, and how much larger than the coupling their distance has to be.
+const SAFETY_OF_COUPLING: f64 = 4.0;
+
 /// A series serves for samples about other coefficients if so many times their distance is within its reach.
 const REACH: f64 = 4.0;
 
@@ -58,6 +68,7 @@ pub(super) struct ModeSeries {
     /// The coefficients that change.
     changing: Vec<usize>,
     groups: Vec<Group>,
+    meetings: Vec<Meeting>,
     safe: Option<SafeChanges>,
     basis: Eigenbasis,
     /// The terms of P of first to third order, and those of N, which are of second order, for all groups.
@@ -66,6 +77,15 @@ pub(super) struct ModeSeries {
     /// The squared norms of the vectors of first and of second order, an entry for each group: from the right the real part,
     /// from the left the imaginary one.
     squares: [Polynomial; 2],
+}
+
+/// Two groups that may come near each other.
+struct Meeting {
+    groups: [usize; 2],
+    /// Where their eigenvalues are among all that are followed.
+    followed: [Range<usize>; 2],
+    /// The square of the distance below which they are near.
+    near: f64,
 }
 
 impl ModeSeries {
@@ -82,7 +102,8 @@ impl ModeSeries {
         if changing.is_empty() || changing.len() > MOST_COEFFICIENTS {
             return None;
         }
-        let basis = Eigenbasis::new(&problem.at(origin))?;
+        let here = problem.at(origin);
+        let basis = Eigenbasis::new(&here)?;
         let changes = changing.iter().map(|&k| Split::new(&basis.change(problem, k))).collect();
         let all = Changes { eigenvalues: basis.eigenvalues.clone(), changes };
         let typical: Vec<f64> = changing.iter().map(|&k| TYPICAL_CHANGE * origin[k].abs()).collect();
@@ -93,7 +114,10 @@ impl ModeSeries {
         let distances: Vec<f64> = (0..all.eigenvalues.len()).map(distance).collect();
         let largest = all.eigenvalues.iter().map(|value| magnitude(*value)).fold(0.0, f64::max);
         let highest = regions.iter().map(|region| region.highest.min(largest)).fold(0.0, f64::max);
-        let near: Vec<usize> = (0..distances.len()).filter(|&mode| distances[mode] <= FOLLOWED * highest).collect();
+        // What is zero whatever the coefficients is never unstable, but by rounding.
+        let zeros = here.known_zeros(&all.eigenvalues);
+        let is_near = |mode: &usize| distances[*mode] <= FOLLOWED * highest && !zeros.contains(mode);
+        let near: Vec<usize> = (0..distances.len()).filter(is_near).collect();
         let monomials = changing.len() * (changing.len() + 3) / 2;
         let keeps_vectors = near.len() * 2 * all.eigenvalues.len() * monomials <= most_numbers;
         let products = [1, 2].map(|number| Products::new(changing.len(), number));
@@ -101,6 +125,7 @@ impl ModeSeries {
             origin: origin.to_vec(),
             changing: changing.to_vec(),
             groups: Vec::new(),
+            meetings: Vec::new(),
             safe: None,
             basis,
             p: Default::default(),
@@ -110,6 +135,7 @@ impl ModeSeries {
         groups(&near, &all, &typical)
             .into_iter()
             .for_each(|modes| series.add_group(modes, &all, &products, keeps_vectors));
+        series.meetings = meetings(&series.groups);
         let follow = |delta: &[f64]| series.eigenvalues(&Monomials::new(delta.to_vec()));
         let safe = SafeChanges::measured(problem, origin, changing, regions, FOLLOWED * highest, follow);
         Some(Self { safe: Some(safe), ..series })
@@ -171,7 +197,32 @@ impl ModeSeries {
             let squares = squares.each_ref().map(|values| values[place]);
             group.follow(place, &Orders { p, n }, squares, &mut followed)?;
         }
+        self.meetings.iter().for_each(|meeting| self.meet(meeting, monomials, &mut followed));
         Some(followed)
+    }
+
+    /// Adds what the coupling of two groups does to their eigenvalues where these are near each other.
+    fn meet(&self, meeting: &Meeting, monomials: &Monomials, followed: &mut [Followed]) {
+        let [one, other] = &meeting.followed;
+        let between = |i: usize| {
+            let squares =
+                followed[other.clone()].iter().map(|mode| (mode.eigenvalue - followed[i].eigenvalue).norm_sqr());
+            squares.fold(f64::INFINITY, f64::min)
+        };
+        let square = one.clone().map(between).fold(f64::INFINITY, f64::min);
+        if square >= meeting.near {
+            return;
+        }
+        let [one, other] = meeting.groups.map(|group| &self.groups[group]);
+        let coupling = one.coupling(other, monomials).max(other.coupling(one, monomials));
+        let distance = square.sqrt();
+        let is_told = distance >= SAFETY_OF_COUPLING * coupling.sqrt();
+        let error =
+            if is_told { SAFETY_OF_COUPLING * coupling / distance.max(f64::MIN_POSITIVE) } else { f64::INFINITY };
+        for mode in meeting.followed.iter().cloned().flatten() {
+            followed[mode].radius += error;
+            followed[mode].radius_of_vectors += error;
+        }
     }
 
     /// What changes add to P, by orders, and to N, for the entries in a range.
@@ -210,6 +261,25 @@ impl ModeSeries {
         others.all(|k| coefficients[k] == self.origin[k])
             && self.safe.as_ref().is_some_and(|safe| safe.contain(&changing))
     }
+}
+
+/// All pairs of groups.
+fn meetings(groups: &[Group]) -> Vec<Meeting> {
+    let mut first = 0;
+    let places = groups.iter().map(|group| {
+        let own = first..first + group.eigenvalues().len();
+        first = own.end;
+        own
+    });
+    let places: Vec<Range<usize>> = places.collect();
+    let pairs = (0..groups.len()).flat_map(|other| (0..other).map(move |one| [one, other]));
+    let meeting = |pair: [usize; 2]| {
+        let [one, other] = pair.map(|group| groups[group].eigenvalues());
+        let distances = one.iter().flat_map(|a| other.iter().map(move |b| (a - b).norm_sqr()));
+        let near = NEAR * NEAR * distances.fold(f64::INFINITY, f64::min);
+        Meeting { groups: pair, followed: pair.map(|group| places[group].clone()), near }
+    };
+    pairs.map(meeting).collect()
 }
 
 /// The values of symmetric products of two changes.

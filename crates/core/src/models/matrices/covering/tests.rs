@@ -4,6 +4,7 @@ use super::*;
 use crate::model::critical_values::{NoMemory, evenly};
 use crate::models::matrices::branches::Line;
 use crate::models::matrices::decide::Decider;
+use crate::models::matrices::series::ModeSeries;
 use crate::models::matrices::sweep::Steps;
 use crate::models::matrices::trial::Numbers;
 use crate::numerics::eigenvalues::Eigenvalue;
@@ -28,7 +29,7 @@ fn a_soft_mode_diverges_where_its_stiffness_ends_however_stiff_others_are() {
         let found = unstable(&problem, &path, [0.3, 1.5]);
         let ([surely], [possibly]) = (&found.surely[..], &found.possibly[..]) else { panic!("{stiff}: {found:?}") };
         for ends in [surely, possibly] {
-            assert!((ends[0] - 1.0).abs() < 3e-7 && ends[1] == 1.5, "{stiff}: {found:?}");
+            assert!((ends[0] - 1.0).abs() < 1e-8 && ends[1] == 1.5, "{stiff}: {found:?}");
         }
         let decider = Decider::new(&problem, &[ALL], None);
         for (p, expected) in [(1.0 - 3e-7, false), (1.0 + 3e-7, true)] {
@@ -65,6 +66,10 @@ fn a_motion_that_dampers_alone_hold_is_never_unstable() {
             assert_eq!(values.iter().filter(|value| **value == Eigenvalue::from(0.0)).count(), 1, "{seed} {p}");
             let contains = |set: &[[f64; 2]]| set.iter().any(|[from, to]| (*from..=*to).contains(&p));
             let expected = values.iter().any(|value| ALL.contains(*value));
+            for series in [None, ModeSeries::new(&problem, &path.coefficients(p + 0.01), &[2], &[ALL], 1 << 24)] {
+                let decided = Decider::new(&problem, &[ALL], series.as_ref()).is_unstable(&path.coefficients(p));
+                assert_eq!(decided.map(|(is_unstable, _)| is_unstable), Some(expected), "{seed} at {p}");
+            }
             let is_right = [&found.surely, &found.possibly].into_iter().all(|set| contains(set) == expected);
             assert!(is_right, "{seed} at {p}: {values:?} {found:?}");
         }

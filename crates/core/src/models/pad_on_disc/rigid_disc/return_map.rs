@@ -230,13 +230,17 @@ impl PlanarMotion {
     /// without sticking if there is one, else rest, or capture where all of them grow.
     fn fate_inside_release(&self) -> Fate {
         let state = [self.release(), self.disc_speed];
-        let first = self.slip(state, self.size_of(state));
-        if first.end != SlipEnd::Turned {
-            return Fate::Unresolved;
-        }
-        let widest = first.x - self.equilibrium();
+        let size = self.size_of(state);
+        let first = self.slip(state, size);
+        let widest = match first.end {
+            SlipEnd::Turned => first.x - self.equilibrium(),
+            // It comes to the disc's speed again before it turns, and so do all swings that are as wide as the whole of it.
+            SlipEnd::Captured if self.swing(size).end == SlipEnd::Captured => size,
+            _ => return Fate::Unresolved,
+        };
         let (turns, _) = bisect((0.0, widest), 60, GRAZES, |a| self.swing(a).end != SlipEnd::Captured);
-        if turns > 0.0 { self.fate_inside(turns) } else { Fate::Captured }
+        // About an unstable node the narrowest swings turn by rounding alone.
+        if turns > GRAZES * widest { self.fate_inside(turns) } else { Fate::Captured }
     }
 
     /// The same for the swings up to this amplitude.
