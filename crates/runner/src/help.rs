@@ -168,6 +168,17 @@ mod tests {
     }
 
     #[test]
+    fn every_option_says_what_it_does() {
+        let program = command();
+        for command in program.get_subcommands().chain([&program]) {
+            for option in command.get_arguments() {
+                let help = option.get_help().map(ToString::to_string).unwrap_or_default();
+                assert!(!help.is_empty(), "{} {}", command.get_name(), option.get_id());
+            }
+        }
+    }
+
+    #[test]
     fn the_page_fits_a_terminal_and_names_every_command_once() {
         let help = command().render_help().to_string();
         let listed: Vec<&str> = help.lines().take_while(|line| *line != "Options:").collect();

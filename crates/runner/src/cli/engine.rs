@@ -32,10 +32,10 @@ pub struct EngineArguments {
     /// Share the job among the machines of a cluster, by Slurm or by GNU parallel
     #[arg(long, value_name = "ENGINE", value_enum, conflicts_with = "shard", requires = "shards")]
     pub engine: Option<EngineKind>,
-    /// In how many shards
+    /// In how many shards, 1 to 1,000,000; another number than before does no harm
     #[arg(long, value_name = "N", requires = "engine", value_parser = clap::value_parser!(u64).range(1..=MOST_SHARDS))]
     pub shards: Option<u64>,
-    /// parallel: a file with a machine in each line, as ssh knows it
+    /// parallel: an ordinary file with a machine in each line, as ssh knows it
     #[arg(long, value_name = "FILE", requires = "engine")]
     pub hosts: Option<PathBuf>,
     /// slurm: options of sbatch, after --, for example -- --partition=long --time=2:00:00

@@ -21,7 +21,7 @@ pub struct LimitArguments {
     /// the job's table limit]
     #[arg(long = "probability", value_name = "P", value_parser = probability, allow_negative_numbers = true)]
     pub probabilities: Vec<f64>,
-    /// Write one row for each limit to a Parquet file
+    /// Write one row for each limit to a Parquet file; if it is interrupted, the same command goes on
     #[arg(long, value_name = "FILE.parquet", value_parser = parquet_file)]
     pub out: Option<PathBuf>,
     /// Print JSON

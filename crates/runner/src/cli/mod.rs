@@ -113,7 +113,7 @@ pub enum Command {
 /// Arguments of `init`.
 #[derive(Debug, Args)]
 pub struct InitArguments {
-    /// The file to write; - writes to standard output [default: job.toml, with --from NAME.toml]
+    /// The file to write, which must not exist; - writes to standard output [default: job.toml, with --from NAME.toml]
     #[arg(value_name = "FILE")]
     pub file: Option<PathBuf>,
     /// Write one of the jobs that come with the program, with the files that it names
@@ -136,12 +136,12 @@ pub struct SubmitArguments {
     /// Where the run directory holds a run of another job, use one beside it with a digest of this job in its name
     #[arg(long, conflicts_with_all = ["overwrite", "shard", "engine"])]
     pub apart: bool,
-    /// Remove the run that the directory holds, of whatever job, and compute anew
+    /// Remove the run that the directory holds, of whatever job, with its pictures, reports and exports, and compute anew
     #[arg(long, conflicts_with_all = ["shard", "engine"])]
     pub overwrite: bool,
     #[command(flatten)]
     pub threads: ThreadsArgument,
-    /// Seed of the random numbers, in place of the job's
+    /// Seed of the random numbers, 0 to 2^63 - 1, in place of the job's
     #[arg(long, value_name = "S", value_parser = seed, allow_negative_numbers = true)]
     pub seed: Option<u64>,
     /// Samples in each cell (with until: at most), in place of the job's; more than a finished run has extend it
@@ -324,7 +324,7 @@ pub struct MergeArguments {
     /// The run directory of the shards
     #[arg(value_name = "RUN_DIR")]
     pub run: PathBuf,
-    /// How long to wait for shards that are still at work
+    /// How long to wait for shards that are still at work; then it ends with code 75
     #[arg(
         long,
         value_name = "SECONDS",

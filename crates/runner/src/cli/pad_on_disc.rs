@@ -25,11 +25,12 @@ pub struct BrakeArguments {
     /// Take the brake of a job, in place of the preset: a job spec (- reads it from standard input) or a run directory
     #[arg(long, value_name = "JOB.toml|RUN_DIR", group = "of_a_job")]
     pub job: Option<PathBuf>,
-    /// The cell of the job whose expected values are taken [default: the middle of its axes]
+    /// The cell of the job whose expected values are taken [default: the middle of its axes, of two values the first]
     #[arg(long, value_name = "I", value_parser = whole_number, allow_negative_numbers = true, requires = "of_a_job")]
     pub cell: Option<u64>,
-    /// Change a value, for example friction.static_coefficient=0.45, or one of the model of the job by its name, for example
-    /// belt_speed=1.2; may be repeated
+    /// Change a value by its key in `stickslip parameters`, for example friction.static_coefficient=0.45, also
+    /// operating_point.preload_force, or one of the model of the job by its name, for example belt_speed=1.2; may be
+    /// repeated
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub set: Vec<String>,
 }
@@ -52,7 +53,7 @@ pub struct AnalyseArguments {
 pub struct TrajectoryArguments {
     #[command(flatten)]
     pub brake: BrakeArguments,
-    /// The disc under the pad [default: the job's, or flexible]
+    /// The disc under the pad [default: the job's, rigid with kind = "eigenvalue"; without a job flexible]
     #[arg(long, value_enum)]
     pub disc: Option<DiscArgument>,
     /// Number of modes of the flexible disc, lowest frequencies first [default: the job's, or as many as the growth rate
@@ -138,10 +139,12 @@ pub struct FitArguments {
         default_values = ["static_friction", "std.static_friction"]
     )]
     pub estimate: Vec<EstimateArgument>,
-    /// Write a job with the estimates in place
+    /// Write a job with the estimates in place, named with -fitted after it; with preload_factor its preloads are the true
+    /// ones
     #[arg(long, value_name = "NEW_JOB.toml")]
     pub out: Option<PathBuf>,
-    /// Draw the tests and the fitted probability of squeal over the speed, as SVG, PDF or PNG by the name of the file
+    /// Draw the tests and the fitted probability of squeal over the speed, as SVG, PDF or PNG by the name of the file;
+    /// of at most 6 preloads
     #[arg(long, value_name = "FILE", value_parser = plot_file)]
     pub plot: Option<PathBuf>,
     /// Print JSON

@@ -17,8 +17,8 @@ pub struct PlotArguments {
     /// What of the run to draw
     #[arg(long, value_name = "QUANTITY", value_enum, default_value_t = PlotQuantity::Probability)]
     pub of: PlotQuantity,
-    /// The cell to draw: with --of sobol [default: all of few cells, else the one whose probability is nearest 0.5], with
-    /// what is drawn of one cell [default: the middle of the axes]
+    /// The cell to draw: with --of sobol [default: all of at most 6 cells, else the one whose probability is nearest 0.5],
+    /// with what is drawn of one cell [default: the middle of the axes]
     #[arg(long, value_name = "N", value_parser = whole_number, allow_negative_numbers = true)]
     pub cell: Option<u64>,
     /// The recorded result: with --of sobol the one whose variance is shared out [default: the verdict], with --of
@@ -85,7 +85,7 @@ pub enum PlotQuantity {
     Samples,
     /// The probability of a cell over the number of its samples; needs no run
     Convergence,
-    /// The distribution of a recorded result: its quantiles over an axis, or of one cell
+    /// The distribution of a recorded result: its quantiles over an axis, or with --cell its histogram
     Distribution,
     /// The measured friction curve: its rows, the curve of the model, and where steady sliding is unstable; needs no run
     Friction,

@@ -17,14 +17,14 @@ pub struct ReduceArguments {
     /// The job spec, whose model is given by matrices
     #[arg(value_name = "JOB.toml")]
     pub job: PathBuf,
-    /// The number of vectors of the basis, and of coordinates of the reduced model
+    /// The number of vectors of the basis, and of coordinates of the reduced model, up to 400
     #[arg(long, value_name = "N", default_value = "100", value_parser = clap::value_parser!(u64).range(VECTORS))]
     pub vectors: u64,
-    /// Samples at which reduced and full matrices are compared
+    /// Samples of the first cell at which reduced and full matrices are compared
     #[arg(long, value_name = "N", default_value = "20", value_parser = clap::value_parser!(u64).range(AUDIT))]
     pub audit: u64,
-    /// The job with the reduced matrices; they lie beside it, in a file with the ending .mat [default: the name of the job
-    /// and the number of vectors]
+    /// The job with the reduced matrices, which must not exist; they lie beside it, in a file with the ending .mat; if it is
+    /// interrupted, the same command goes on [default: the name of the job and the number of vectors]
     #[arg(long, value_name = "FILE.toml")]
     pub out: Option<PathBuf>,
 }

@@ -7,7 +7,7 @@ use super::values::threads;
 /// How many threads.
 #[derive(Debug, Args)]
 pub struct ThreadsArgument {
-    /// Threads [default: all processors]; the result does not depend on them
+    /// Threads, 1 to 1024 [default: all processors]; the result does not depend on them
     #[arg(long = "threads", value_name = "N", value_parser = threads, allow_negative_numbers = true)]
     threads: Option<u16>,
 }
