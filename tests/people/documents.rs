@@ -27,7 +27,7 @@ use std::io::{BufRead as _, BufReader, Write as _};
 use std::path::{Component, Path, PathBuf};
 use std::process::{Child, ChildStdout, Command, Stdio};
 
-use crate::common::{Place, TARGETS, commands_of_the_program, named_by, repository};
+use crate::common::{Place, TARGETS, named_by, repository};
 
 /// How many commands, jobs and Python blocks there are at the least, so that the test cannot pass by finding none.
 const LEAST_COMMANDS: usize = 70;
@@ -485,7 +485,7 @@ fn the_site_has_every_page_once_and_what_they_link_to() {
 }
 
 #[test]
-fn the_reference_names_every_key_option_and_target() {
+fn the_reference_names_every_key_and_target() {
     let place = Place::new();
     let keys = read("docs/reference/job-spec.md");
     let schema: serde_json::Value = serde_json::from_str(&place.run("schema").done().stdout).unwrap();
@@ -501,16 +501,6 @@ fn the_reference_names_every_key_option_and_target() {
         }
     }
     assert!(count > 60, "the schema has only {count} keys");
-
-    let page = read("docs/reference/command-line.md");
-    for name in commands_of_the_program(&place) {
-        assert!(page.contains(&format!("## {name}\n")), "docs/reference/command-line.md has no section on {name}");
-        let help = place.run(&format!("{name} --help")).done().stdout;
-        for option in help.split_whitespace().filter(|word| word.starts_with("--") && word.len() > 2) {
-            let option = option.trim_end_matches(|c: char| !c.is_ascii_alphanumeric());
-            assert!(page.contains(option), "docs/reference/command-line.md does not name {option} of {name}");
-        }
-    }
 
     let page = read("docs/reproduction.md");
     for target in TARGETS {

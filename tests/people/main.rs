@@ -6,6 +6,7 @@ mod common;
 mod at_a_terminal;
 mod build_script;
 mod command_line;
+mod command_reference;
 mod documents;
 mod exports;
 mod first_steps;

@@ -24,7 +24,7 @@ def printed(*arguments: str) -> Any:
 
 
 def test_analyse_is_the_programs(small: dict[str, Any], place: Path) -> None:
-    # The figure is that of docs/reference/command-line.md.
+    # The critical speed of the preset, rounded in docs/how-to/simulate-in-time.md.
     assert stickslip.analyse()["critical_speed_rad_s"] == pytest.approx(15.5599, abs=5e-5)
     wanted = printed("analyse", "--set", "friction.static_coefficient=0.45", "--set", "pad.mass=0.12")
     assert stickslip.analyse(friction={"static_coefficient": 0.45}, pad={"mass": np.float64(0.12)}) == wanted
