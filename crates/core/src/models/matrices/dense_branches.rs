@@ -103,7 +103,7 @@ mod tests {
 
     const FIRST: usize = 6;
 
-    const STEPS: Steps = Steps { joined: 3, halvings: 44, most: 1000 };
+    const STEPS: Steps = Steps { joined: 3, halvings: 44, most: 1000, widest_first: false };
 
     fn sweep(problem: &DenseQuadratic, path: &Line, region: &Region, within: [f64; 2]) -> Sweep {
         Nodes::new(&DenseBranches { problem, path }, region).sweep(&evenly(within, FIRST), STEPS).unwrap()

@@ -24,13 +24,13 @@ use crate::numerics::eigenvalues::Eigenvalue;
 const MOST_PROVED: usize = 40;
 
 /// How intervals that are proved are divided.
-const PROVED_STEPS: Steps = Steps { joined: 3, halvings: 44, most: 1000 };
+const PROVED_STEPS: Steps = Steps { joined: 3, halvings: 44, most: 1000, widest_first: true };
 
 /// How those of larger dense matrices are, for which a place costs little.
-const DENSE_STEPS: Steps = Steps { joined: 1, halvings: 44, most: 333 };
+const DENSE_STEPS: Steps = Steps { joined: 1, halvings: 44, most: 333, widest_first: false };
 
 /// How those with sparse matrices do.
-const SPARSE_STEPS: Steps = Steps { joined: 3, halvings: 44, most: 75 };
+const SPARSE_STEPS: Steps = Steps { joined: 3, halvings: 44, most: 75, widest_first: false };
 
 /// With which matrices eigenvalues are found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,5 +1,6 @@
 //! All places on a path at which the number of unstable eigenvalues in a band changes.
 
+use std::collections::VecDeque;
 use std::rc::Rc;
 
 use super::branches::{Branches, Followed};
@@ -17,6 +18,9 @@ pub struct Steps {
     pub halvings: usize,
     /// How many intervals it looks at, at most, within one that it begins with.
     pub most: usize,
+    /// Whether wider intervals come before narrower ones, so that those that are left when there are enough are narrow; else they come
+    /// in the order of p.
+    pub widest_first: bool,
 }
 
 /// The number of unstable eigenvalues over an interval of a path, both of a pair.
@@ -75,7 +79,7 @@ impl Sweep {
 /// What tells of an interval of a path what is unstable there.
 pub trait Intervals {
     /// The unstable values of an interval, all of them where one pair is unstable all along, whatever the others do; nothing if it
-    /// is to be halved. No later interval begins below this one.
+    /// is to be halved. No later interval begins below this one, if these come in the order of p.
     ///
     /// # Errors
     /// [`Error`], if eigenvalues are not found.
@@ -199,21 +203,20 @@ fn settled<T>(
     let mut settled = Vec::new();
     let mut here = *first;
     for end in ends {
-        // Intervals that are left, the next one last: where each ends, how often it was halved.
-        let mut left = vec![(end, 0)];
+        // Intervals that are left, with how often they were halved.
+        let mut left = VecDeque::from([([here, end], 0)]);
+        here = end;
         let mut looked_at = 0;
-        while let Some((end, halvings)) = left.pop() {
+        while let Some((interval, halvings)) = if steps.widest_first { left.pop_front() } else { left.pop_back() } {
+            let [from, to] = interval;
             looked_at += 1;
-            let middle = middle(here, end);
+            let middle = middle(from, to);
             // Narrower ones have no three places that rounding tells apart.
-            let is_wide = end - here > 16.0 * f64::EPSILON * here.abs().max(end.abs());
+            let is_wide = to - from > 16.0 * f64::EPSILON * from.abs().max(to.abs());
             let may_halve = halvings < steps.halvings && is_wide && looked_at + left.len() < steps.most;
-            match settle([here, end], may_halve)? {
-                Some(found) => {
-                    settled.push(found);
-                    here = end;
-                }
-                None if may_halve => left.extend([(end, halvings + 1), (middle, halvings + 1)]),
+            match settle(interval, may_halve)? {
+                Some(found) => settled.push(found),
+                None if may_halve => left.extend([([middle, to], halvings + 1), ([from, middle], halvings + 1)]),
                 None => return Err(Error::Request("an interval that cannot be halved")),
             }
         }

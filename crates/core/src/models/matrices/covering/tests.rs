@@ -9,7 +9,7 @@ use crate::models::matrices::sweep::Steps;
 use crate::models::matrices::trial::Numbers;
 use crate::numerics::eigenvalues::Eigenvalue;
 
-const STEPS: Steps = Steps { joined: 3, halvings: 44, most: 1000 };
+const STEPS: Steps = Steps { joined: 3, halvings: 44, most: 1000, widest_first: true };
 
 const ALL: Region = Region { lowest: 0.0, highest: f64::INFINITY, damping_ratio: 0.0 };
 

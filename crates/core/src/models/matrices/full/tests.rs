@@ -95,7 +95,7 @@ fn companion_eigenvalues(stiffness: &DMatrix<f64>, damping: &DMatrix<f64>) -> Ve
 }
 
 /// How sweeps of these problems look for changes.
-const STEPS: Steps = Steps { joined: 1, halvings: 30, most: 300 };
+const STEPS: Steps = Steps { joined: 1, halvings: 30, most: 300, widest_first: false };
 
 fn friction(factor: f64) -> Coefficients {
     Coefficients { damping: vec![1.0], stiffness: vec![1.0, factor] }

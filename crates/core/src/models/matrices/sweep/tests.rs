@@ -7,11 +7,11 @@ use crate::models::matrices::branches::Path;
 use crate::models::matrices::covering::Covering;
 use crate::models::matrices::quadratic::DenseQuadratic;
 use crate::models::matrices::region::{RESOLUTION, Region};
-use crate::models::matrices::sweep::{Intervals, Steps};
+use crate::models::matrices::sweep::{Intervals, Steps, settled};
 use crate::models::matrices::trial::Numbers;
 
 /// As in [`problem`](crate::models::matrices::problem), of what is proved.
-const STEPS: Steps = Steps { joined: 3, halvings: 44, most: 1000 };
+const STEPS: Steps = Steps { joined: 3, halvings: 44, most: 1000, widest_first: true };
 
 /// Places of the grid, over five standard deviations to each side.
 const GRID: u32 = 1500;
@@ -398,4 +398,26 @@ fn what_a_proof_needs_is_looked_at() {
         }
         assert!(checked > 150, "{name}: {checked}");
     }
+}
+
+/// Where one part of an interval takes as many halvings as there are, the rest is found all the same.
+#[test]
+fn wide_intervals_come_before_those_that_are_narrow() {
+    let steps = Steps { joined: 1, halvings: 44, most: 200, widest_first: true };
+    let left = |steps| {
+        let is_found = |[from, to]: [f64; 2]| from >= 0.0 && to - from <= 0.1;
+        let settle = |interval: [f64; 2], may_halve| {
+            Ok(if is_found(interval) {
+                Some(0.0)
+            } else if may_halve {
+                None
+            } else {
+                Some(interval[1] - interval[0].max(0.0))
+            })
+        };
+        let found: Vec<f64> = settled(&[-1.0, 3.0], steps, settle).unwrap();
+        found.into_iter().filter(|width| *width > 0.0).sum::<f64>()
+    };
+    assert!(left(steps) < 1e-12, "{}", left(steps));
+    assert!(left(Steps { widest_first: false, ..steps }) > 2.9);
 }
