@@ -8,6 +8,8 @@ mod text;
 
 mod oscillator;
 
+mod nearest_change;
+
 mod modes;
 
 use std::path::Path;

@@ -8,6 +8,7 @@ use stickslip_core::models::matrices::region::Region;
 use stickslip_core::models::matrices::terms::Parameter;
 use stickslip_sampler::grid::Cell;
 
+use crate::commands::analyse::nearest_change::Nearest;
 use crate::commands::modes::{JobModes, failed};
 use crate::commands::one_brake::changed_values;
 use crate::failure::Failure;
@@ -36,8 +37,8 @@ struct CriticalValue {
     /// Within which values it was looked for.
     within: [f64; 2],
     /// The nearest places below and above the value of the parameter.
-    below: Option<f64>,
-    above: Option<f64>,
+    below: Nearest,
+    above: Nearest,
 }
 
 impl CriticalValue {
@@ -50,19 +51,8 @@ impl CriticalValue {
         let within = [end(range.minimum, ends[0]), end(range.maximum, ends[1])];
         let configuration = job.model().configure(values, &[place], None).ok()?;
         let unstable = configuration.critical_values()?.unstable(&[value], 0, &evenly(within, INTERVALS), &NoMemory)?;
-        let inside = |end: &f64| within[0] < *end && *end < within[1];
-        // Halfway between where it surely and where it possibly is unstable.
-        let possible = |end: f64, which: usize| {
-            let around = unstable.possibly.iter().find(|around| around[0] <= end && end <= around[1]);
-            around.map_or(end, |around| 0.5 * (end + around[which]))
-        };
-        let halfway = |sure: &[f64; 2]| [possible(sure[0], 0), possible(sure[1], 1)];
-        let changes: Vec<f64> = unstable.surely.iter().flat_map(halfway).filter(inside).collect();
-        Some(Self {
-            within,
-            below: changes.iter().copied().filter(|change| *change <= value).reduce(f64::max),
-            above: changes.iter().copied().filter(|change| *change > value).reduce(f64::min),
-        })
+        let [below, above] = Nearest::on_both_sides(&unstable, value, within);
+        Some(Self { within, below, above })
     }
 }
 
@@ -135,7 +125,7 @@ impl ModesAtPoint {
     fn critical_json(&self) -> Map<String, Value> {
         let of = |critical: &Option<CriticalValue>| match critical {
             Some(CriticalValue { within, below, above }) => {
-                json!({ "below": below, "above": above, "within": within })
+                json!({ "below": below.json(), "above": above.json(), "within": within })
             }
             None => Value::Null,
         };
@@ -167,12 +157,11 @@ impl ModesAtPoint {
         }
         let headings = ["parameter", "value", "nearest below", "nearest above", "looked for"];
         let mut lines = vec![headings.map(str::to_owned).to_vec()];
-        let shown = |value: Option<f64>| value.map_or_else(|| "none".to_owned(), |value| format!("{value:.10}"));
         for ((own, value), critical) in self.parameters.iter().zip(&self.values).zip(&self.critical) {
             let mut line = vec![own.name.clone(), rounded(*value)];
             line.extend(match critical {
                 Some(CriticalValue { within: [from, to], below, above }) => {
-                    [shown(*below), shown(*above), format!("from {} to {}", rounded(*from), rounded(*to))]
+                    [below.to_string(), above.to_string(), format!("from {} to {}", rounded(*from), rounded(*to))]
                 }
                 None => ["not known", "not known", ""].map(str::to_owned),
             });
