@@ -30,8 +30,9 @@ const FEWEST: f64 = 20.0;
 /// The share of the effective number of points that counts as successes.
 const QUARTER: f64 = 0.25;
 
-/// Probabilities whose relative standard deviation is below this are alike.
-const ALIKE: f64 = 1e-6;
+/// Probabilities whose relative standard deviation is below this are alike: what the other inputs change in one region says nothing
+/// of another one.
+const ALIKE: f64 = 0.02;
 
 /// The largest number of trials of which binomial tails are computed.
 const MOST_TRIALS: f64 = 1e10;
@@ -135,8 +136,8 @@ impl ConditionalPart {
 /// * Below 20 it includes Clopper and Pearson's for as many independent samples: of all variables between 0 and 1 with the
 ///   same mean, verdicts scatter most.
 ///
-/// **Points that are all alike**, those beyond too, say nothing of a region that none of them met. The interval then allows for a
-/// region of other probabilities, as large as Clopper and Pearson's for no success in as many points.
+/// **Points that are all alike**, to 2 %, those beyond too, say nothing of a region that none of them met. The interval then allows
+/// for a region of other probabilities, as large as Clopper and Pearson's for no success in as many points.
 ///
 /// ```
 /// use stickslip_sampler::estimate::conditional::{ConditionalPart, estimate};
