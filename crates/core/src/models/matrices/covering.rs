@@ -1,7 +1,7 @@
 //! Proofs of which eigenvalues of dense matrices are unstable over intervals of a path.
 
 use super::branches::Path;
-use super::discs::{Discs, Expansion};
+use super::discs::{Discs, Expansion, SHARE};
 use super::error::Error;
 use super::quadratic::DenseQuadratic;
 use super::region::{RESOLUTION, Region};
@@ -83,7 +83,7 @@ struct Seen {
     /// By how much it is unstable, or is not, all along; negative where it is not so.
     inside: f64,
     outside: f64,
-    /// Whether it is known exactly, and not unstable.
+    /// Whether it is zero, or stays on the imaginary axis.
     is_exact: bool,
 }
 
@@ -217,12 +217,11 @@ impl<'a> Covering<'a> {
             // Next to zero nothing is unstable.
             if is_real { (least, -most) } else { (least - 2.0 * growth, (-most).max(growth - re.max(im))) }
         };
-        // It is its own mirror image in the middle and never meets another one; no other disc can have zero, as those of others are
-        // at most half as large as their distance from this one.
+        // It is its own mirror image in the middle and never meets another one. Other discs keep away from the centre, and zero does not.
         let is_exact = isolated.is_some_and(|isolated| {
             let is_on_axis = self.is_mirrored && damping_ratio <= 0.0 && isolated.cluster == 1;
             let is_zero = isolated.cluster <= self.zeros;
-            is_on_axis && isolated.radius + 2.0 * re < 0.5 * isolated.gap || is_zero && re + im < 0.5 * isolated.gap
+            is_on_axis && isolated.radius + 2.0 * re < 0.5 * isolated.gap || is_zero && re + im < SHARE * isolated.gap
         });
         Seen { distances, inside, outside, is_exact }
     }
@@ -253,6 +252,12 @@ impl<'a> Covering<'a> {
                 None => open.push(i),
             }
         }
+        // Where a disc of a cluster is open, what the others hold is not known either.
+        let first = |i: usize| discs.radii[i].filter(|isolated| isolated.cluster > 1).map(|isolated| isolated.first);
+        let clusters: Vec<usize> = open.iter().filter_map(|&i| first(i)).collect();
+        open.extend((0..states).filter(|&i| first(i).is_some_and(|first| clusters.contains(&first))));
+        open.sort_unstable();
+        open.dedup();
         if !open.is_empty() {
             let is_open = |i: &usize| open.contains(i);
             let allowed = |i: usize| {

@@ -16,6 +16,10 @@ const ROUNDING: f64 = 1e-11;
 /// An imaginary part that counts as rounding, in parts of the eigenvalue.
 const NEARLY_REAL: f64 = 1e-12;
 
+/// Growth of a real eigenvalue, in the unit of the problem, up to which it may be a zero that rounding moves: where the stiffness is
+/// singular.
+const NEARLY_ZERO: f64 = 1e-10;
+
 /// Coordinates from which on eigenvalues by vector instructions save time.
 const LARGE: usize = 24;
 
@@ -87,7 +91,11 @@ impl<'a> Decider<'a> {
             return Some((told, Way::All));
         }
         let all = problem.eigenvalues().ok()?;
-        Some((all.iter().any(|value| self.contains(*value)), Way::All))
+        let is_clear = |value: &Eigenvalue| value.im != 0.0 || value.re > NEARLY_ZERO;
+        let (clear, nearly_zero): (Vec<Eigenvalue>, Vec<_>) =
+            all.into_iter().filter(|value| self.contains(*value)).partition(is_clear);
+        let is_unstable = !clear.is_empty() || !nearly_zero.is_empty() && self.problem.is_regular(coefficients);
+        Some((is_unstable, Way::All))
     }
 
     /// Whether one of the followed modes that the series does not tell is unstable, by its vectors or by refining it; `None`

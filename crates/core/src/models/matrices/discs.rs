@@ -21,8 +21,8 @@ const CLUSTER: f64 = 1e-5;
 /// The most eigenvalues of a cluster.
 const LARGEST_CLUSTER: usize = 8;
 
-/// The part of the distance to the nearest other disc that a disc may have.
-const SHARE: f64 = 0.25;
+/// The part of the distance to the nearest other disc that a disc may have, and that others keep away from its centre.
+pub(super) const SHARE: f64 = 0.25;
 
 /// Larger scales say no more.
 const LARGEST_SCALE: f64 = 1e12;
@@ -62,7 +62,7 @@ impl Expansion {
         let [upper, lower] = [0, coordinates].map(|from| right.rows(from, coordinates).into_owned());
         let noise = |sizes: &[f64], unit: f64| {
             let errors = problem.magnitudes_at(sizes);
-            let mut noise = DMatrix::zeros(2 * coordinates, 2 * coordinates);
+            let mut noise = DMatrix::zeros(2 * coordinates, right.ncols());
             noise.rows_mut(0, coordinates).copy_from(&(&lower * unit));
             noise
                 .rows_mut(coordinates, coordinates)
@@ -176,8 +176,10 @@ impl Expansion {
 pub(super) struct Isolated {
     /// Its radius.
     pub(super) radius: f64,
-    /// The least distance of its centre from those of all others.
+    /// The least distance of its centre, or of those of the cluster, from those of all others.
     pub(super) gap: f64,
+    /// The first disc of the cluster.
+    pub(super) first: usize,
     /// How many discs the cluster has.
     pub(super) cluster: usize,
 }
@@ -216,6 +218,7 @@ impl Discs {
             (gap > 0.0 && scale > 0.0 && radius <= SHARE * gap).then_some(Isolated {
                 radius: radius + self.own[i],
                 gap,
+                first: i,
                 cluster: 1,
             })
         };
@@ -257,7 +260,7 @@ impl Discs {
             return Vec::new();
         }
         let isolated = |(&index, radius): (&usize, f64)| {
-            (index, Isolated { radius: radius + self.own[index], gap, cluster: own.len() })
+            (index, Isolated { radius: radius + self.own[index], gap, first: own[0], cluster: own.len() })
         };
         own.iter().zip(radii).map(isolated).collect()
     }

@@ -23,7 +23,7 @@ pub(super) struct Eigenbasis {
     pub(super) left: Split,
 }
 
-/// `A X = X diag(lambda)` and `X^-1` for the matrix of first order of a problem.
+/// `A X = X diag(lambda)` and `Y X = 1` for the matrix of first order of a problem.
 pub(super) struct Decomposition {
     pub(super) eigenvalues: Vec<Eigenvalue>,
     pub(super) vectors: ComplexMatrix,
@@ -31,7 +31,8 @@ pub(super) struct Decomposition {
 }
 
 impl Decomposition {
-    /// The decomposition in coordinates scaled by powers of two, in which soft directions beside stiff ones keep their digits.
+    /// The decomposition in coordinates scaled by powers of two, in which soft directions beside stiff ones keep their digits. The
+    /// vectors have all coordinates and their rates; rows of X, and columns of Y, are zero for coordinates that are not in the state.
     pub(super) fn balanced(problem: &Quadratic) -> Option<Self> {
         let mut companion = problem.companion();
         if companion.iter().any(|value| !value.is_finite()) {
@@ -43,6 +44,8 @@ impl Decomposition {
             found.vectors.row_mut(i).scale_mut(*scale);
             found.inverse.column_mut(i).unscale_mut(*scale);
         }
+        found.vectors = found.vectors.insert_rows(0, problem.unheld, Complex::from(0.0));
+        found.inverse = found.inverse.insert_columns(0, problem.unheld, Complex::from(0.0));
         Some(found)
     }
 
@@ -69,15 +72,16 @@ impl Eigenbasis {
     /// The basis of a problem and the condition numbers of its eigenvalues; `None` if there is none.
     pub(super) fn with_conditions(problem: &Quadratic) -> Option<(Self, Vec<f64>)> {
         let Decomposition { eigenvalues, vectors, inverse } = Decomposition::new(&problem.companion())?;
-        let (states, size) = (eigenvalues.len(), eigenvalues.len() / 2);
+        let (states, size) = (eigenvalues.len(), problem.stiffness.nrows());
+        let held = size - problem.unheld;
         let length =
             |values: &mut dyn Iterator<Item = Complex<f64>>| values.map(|value| value.norm_sqr()).sum::<f64>().sqrt();
         let condition =
             |i: usize| length(&mut inverse.row(i).iter().copied()) * length(&mut vectors.column(i).iter().copied());
         let basis = Self {
+            right: Split::new(&displacements(&eigenvalues, &vectors, size)),
+            left: Split::new(&inverse.columns(held, size).into_owned()),
             eigenvalues,
-            right: Split::new(&vectors.rows(0, size).into_owned()),
-            left: Split::new(&inverse.columns(size, size).into_owned()),
         };
         Some((basis, (0..states).map(condition).collect()))
     }
@@ -95,6 +99,16 @@ impl Eigenbasis {
         let forces = Split { re: -(term * moved.re), im: -(term * moved.im) };
         self.left.times(&forces)
     }
+}
+
+/// The displacements of so many coordinates; of those that are not in the state from their rates.
+fn displacements(eigenvalues: &[Eigenvalue], vectors: &ComplexMatrix, size: usize) -> ComplexMatrix {
+    let held = vectors.nrows() - size;
+    ComplexMatrix::from_fn(size, vectors.ncols(), |row, column| match row.checked_sub(size - held) {
+        Some(row) => vectors[(row, column)],
+        None if eigenvalues[column] == Complex::from(0.0) => Complex::from(0.0),
+        None => vectors[(held + row, column)] / eigenvalues[column],
+    })
 }
 
 fn complex(re: &DMatrix<f64>, im: &DMatrix<f64>) -> ComplexMatrix {
@@ -268,7 +282,7 @@ mod tests {
                     let perturbed = DMatrix::from_fn(size, size, |_, _| perturbation * numbers.next());
                     DMatrix::identity(size, size) * value + perturbed
                 };
-                let problem = Quadratic { damping: near(10.0), stiffness: near(0.1), zeros: 0 };
+                let problem = Quadratic { damping: near(10.0), stiffness: near(0.1), unheld: 0, zeros: 0 };
                 let Decomposition { eigenvalues, vectors, inverse } = Decomposition::balanced(&problem).unwrap();
                 let companion: ComplexMatrix = problem.companion().map(Complex::from);
                 let diagonal = ComplexMatrix::from_diagonal(&DVector::from_vec(eigenvalues));

@@ -50,43 +50,53 @@ pub(super) struct Group {
     pub(super) entries: Range<usize>,
     /// Vectors from the right and from the left, of first and of second order: by columns, in the basis of the origin.
     sides: [[Polynomial; 2]; 2],
+    /// Their rows of the followed modes alone, which are kept where those of second order are not.
+    of_followed: [[Polynomial; 2]; 2],
 }
 
 impl Group {
-    pub(super) fn new(modes: Vec<usize>, eigenvalues: Vec<Eigenvalue>, first: usize, vectors: &[Vectors; 2]) -> Self {
+    /// The group of these modes, whose entries begin there, of all that are followed.
+    pub(super) fn new(
+        modes: Vec<usize>,
+        eigenvalues: Vec<Eigenvalue>,
+        first: usize,
+        vectors: &[Vectors; 2],
+        followed: &[usize],
+        keeps_vectors: bool,
+    ) -> Self {
         let entries = first..first + modes.len() * modes.len();
-        let sides = vectors.each_ref().map(|side| [&side.first, &side.second].map(Polynomial::new));
-        Self { modes, eigenvalues, entries, sides }
+        let rows = |order: &Vec<ComplexMatrix>| {
+            Polynomial::new(&order.iter().map(|vectors| vectors.select_rows(followed)).collect::<Vec<_>>())
+        };
+        let of_followed = vectors.each_ref().map(|side| [&side.first, &side.second].map(rows));
+        let none = Vec::new();
+        let sides = vectors.each_ref().map(|side| {
+            let second = if keeps_vectors { &side.second } else { &none };
+            [&side.first, second].map(Polynomial::new)
+        });
+        Self { modes, eigenvalues, entries, sides, of_followed }
     }
 
     pub(super) fn eigenvalues(&self) -> &[Eigenvalue] {
         &self.eigenvalues
     }
 
-    /// About the square of what couples the modes of this group with those of another, which two eigenvalues repel each other by:
-    /// the products of what their vectors of first and of second order from both sides have of them.
-    pub(super) fn coupling(&self, other: &Self, monomials: &Monomials) -> f64 {
-        let states = self.sides[0][0].width() / self.modes.len();
-        let pairs = self
-            .eigenvalues
-            .iter()
-            .enumerate()
-            .flat_map(|own| other.modes.iter().zip(&other.eigenvalues).map(move |other| (own, other)));
-        let square = |((column, own), (mode, value)): ((usize, &Eigenvalue), (&usize, &Eigenvalue))| {
-            let entry = mode + states * column;
-            let share = |[first, second]: &[Polynomial; 2]| {
-                let orders = [(first, &monomials.first), (second, &monomials.second)];
-                let sizes = orders.map(|(order, monomials)| {
-                    let values =
-                        if order.width() == 0 { Vec::new() } else { order.values(entry..entry + 1, monomials) };
-                    values.into_iter().map(magnitude).sum::<f64>()
-                });
-                sizes[0] + sizes[1]
-            };
-            let [right, left] = self.sides.each_ref().map(share);
-            right * left * (own - value).norm_sqr()
-        };
-        pairs.map(square).sum()
+    /// An upper estimate of the square of what couples the modes of this group with those of another, by the products of what their
+    /// vectors of first and of second order from both sides have of them. The others stand at these places among all that are followed.
+    pub(super) fn coupling(&self, other: &Self, places: Range<usize>, monomials: &Monomials) -> f64 {
+        let followed = self.of_followed[0][0].width() / self.modes.len();
+        let mut sum = 0.0;
+        for (column, own) in self.eigenvalues.iter().enumerate() {
+            for (place, value) in places.clone().zip(&other.eigenvalues) {
+                let entry = place + followed * column;
+                let share = |[first, second]: &[Polynomial; 2]| {
+                    magnitude(first.value(entry, &monomials.first)) + magnitude(second.value(entry, &monomials.second))
+                };
+                let [right, left] = self.of_followed.each_ref().map(share);
+                sum += right * left * (own - value).norm_sqr();
+            }
+        }
+        sum
     }
 
     /// From the squared norms of the vectors of first and of second order, those from the right in the real parts: a bound of

@@ -34,7 +34,8 @@ pub(super) fn limit_states(eigenvalues: &[Eigenvalue], regions: &[Region]) -> Ve
         .collect();
     let mut real: Vec<f64> = eigenvalues.iter().filter(|value| value.im.abs() <= ZERO).map(|value| value.re).collect();
     real.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
-    for (near, far) in real.iter().zip(real.iter().rev()).take(real.len() / 2) {
+    // One that is left over is a motion that dampers alone hold: joined with itself, it is as damped as it can be, or grows.
+    for (near, far) in real.iter().zip(real.iter().rev()).take(real.len().div_ceil(2)) {
         let size = (near * far).abs().sqrt();
         let damping = match size > 0.0 {
             _ if *near > ZERO || *far > ZERO => -1.0,

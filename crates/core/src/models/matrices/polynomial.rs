@@ -112,6 +112,11 @@ impl Polynomial {
         values
     }
 
+    /// The value of an entry.
+    pub(super) fn value(&self, entry: usize, monomials: &[f64]) -> Complex<f64> {
+        self.rows.iter().zip(monomials).map(|(row, weight)| row[entry] * *weight).sum()
+    }
+
     /// Adds the values of the entries in a range.
     pub(super) fn add_to(&self, sums: &mut [Complex<f64>], range: Range<usize>, monomials: &[f64]) {
         for (row, weight) in self.rows.iter().zip(monomials) {

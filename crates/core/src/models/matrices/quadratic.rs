@@ -4,7 +4,7 @@ use nalgebra::{Complex, DMatrix, DVector};
 use thiserror::Error;
 
 use super::region::magnitude;
-use super::rigid_body::{free, without_free};
+use super::rigid_body::{complement, free, without_free};
 use crate::numerics::eigenvalues::{Eigenvalue, EigenvalueError, eigenvalues};
 
 /// The difference of two entries, over their size, that rounding makes.
@@ -25,7 +25,10 @@ pub struct DenseQuadratic {
     unit: f64,
     /// What a coordinate moves in those of the given matrices, as columns.
     displacements: DMatrix<f64>,
-    /// How many eigenvalues are zero with any coefficients: of motions that no stiffness holds.
+    /// Of so many coordinates, the first ones, no stiffness depends, whatever the coefficients: dampers alone hold them. They are
+    /// no part of the state, so that it has no eigenvalues that are zero for them.
+    unheld: usize,
+    /// How many eigenvalues are zero with any coefficients all the same.
     zeros: usize,
 }
 
@@ -87,18 +90,21 @@ impl DenseQuadratic {
             row *= *scale;
         }
         let zeros = zeros(&terms[damping.len()..], scales.len());
-        Ok(Self { terms, damping_terms: damping.len(), unit, displacements, zeros })
+        Ok(Self { terms, damping_terms: damping.len(), unit, displacements, unheld: 0, zeros })
     }
 
     /// The problem without its rigid-body motions, which no stiffness and no damping holds, whatever the coefficients: each
-    /// has two eigenvalues that are zero. With these motions, as displacements of the given coordinates.
+    /// has two eigenvalues that are zero. With these motions, as displacements of the given coordinates. Motions that dampers alone
+    /// hold become coordinates of their own, without the eigenvalue that is zero for each.
     #[must_use]
     pub fn without_rigid_body_motions(self) -> (Self, Vec<DVector<f64>>) {
-        let (terms, motions) = without_free(self.terms);
+        let (mut terms, motions) = without_free(self.terms);
         let motions = &self.displacements * motions;
         let motions = motions.column_iter().map(nalgebra::Matrix::into_owned).collect();
-        let zeros = zeros(&terms[self.damping_terms..], terms.first().map_or(0, DMatrix::nrows));
-        (Self { terms, zeros, ..self }, motions)
+        let size = terms.first().map_or(0, DMatrix::nrows);
+        let zeros = zeros(&terms[self.damping_terms..], size);
+        let unheld = unheld_first(&mut terms, self.damping_terms);
+        (Self { terms, unheld, zeros: zeros - unheld, ..self }, motions)
     }
 
     /// The number of coordinates.
@@ -166,7 +172,19 @@ impl DenseQuadratic {
             sum
         };
         let [damping, stiffness] = [0..self.damping_terms, self.damping_terms..self.terms.len()].map(sum);
-        Quadratic { damping, stiffness, zeros: self.zeros }
+        Quadratic { damping, stiffness, unheld: self.unheld, zeros: self.zeros }
+    }
+
+    /// Whether no eigenvalue is zero with these coefficients, whatever rounding does to the entries of matrices: K is regular, with the
+    /// columns of C in place of those that it does not have. `|K^-1| R` has a norm below 1 for the rounding R of the entries.
+    pub(super) fn is_regular(&self, coefficients: &[f64]) -> bool {
+        let forces = |Quadratic { damping, mut stiffness, unheld, .. }: Quadratic| {
+            stiffness.columns_mut(0, unheld).copy_from(&damping.columns(0, unheld));
+            stiffness
+        };
+        let Some(inverse) = forces(self.at(coefficients)).try_inverse() else { return false };
+        let sizes: Vec<f64> = coefficients.iter().map(|value| ROUNDING * value.abs()).collect();
+        (inverse.abs() * forces(self.magnitudes_at(&sizes))).row_iter().all(|row| row.sum() < 1.0)
     }
 
     /// How many eigenvalues are zero with any coefficients: of motions that no stiffness holds.
@@ -196,25 +214,30 @@ pub struct Quadratic {
     pub damping: DMatrix<f64>,
     /// K.
     pub stiffness: DMatrix<f64>,
+    /// Of how many coordinates, the first ones, K does not depend.
+    pub unheld: usize,
     /// How many eigenvalues are known to be zero.
     pub zeros: usize,
 }
 
 impl Quadratic {
-    /// The matrix `A` of `z' = A z` for `z = (q, q')`.
+    /// The matrix `A` of `z' = A z` for `z = (q, q')`, where q is without the coordinates on which K does not depend.
     #[must_use]
     pub fn companion(&self) -> DMatrix<f64> {
-        let size = self.stiffness.nrows();
-        DMatrix::from_fn(2 * size, 2 * size, |row, column| match (row.checked_sub(size), column.checked_sub(size)) {
-            (None, None) => 0.0,
-            (None, Some(column)) => f64::from(u8::from(row == column)),
-            (Some(row), None) => -self.stiffness[(row, column)],
-            (Some(row), Some(column)) => -self.damping[(row, column)],
+        let (size, unheld) = (self.stiffness.nrows(), self.unheld);
+        let held = size - unheld;
+        DMatrix::from_fn(held + size, held + size, |row, column| {
+            match (row.checked_sub(held), column.checked_sub(held)) {
+                (None, None) => 0.0,
+                (None, Some(column)) => f64::from(u8::from(unheld + row == column)),
+                (Some(row), None) => -self.stiffness[(row, unheld + column)],
+                (Some(row), Some(column)) => -self.damping[(row, column)],
+            }
         })
     }
 
-    /// All eigenvalues, both of each conjugate pair. Those that are known to be zero are so without rounding: as many of the
-    /// smallest.
+    /// All eigenvalues, both of each conjugate pair, without those of coordinates on which K does not depend. Others that are known to
+    /// be zero are so without rounding: as many of the smallest.
     ///
     /// # Errors
     /// As [`eigenvalues`].
@@ -276,6 +299,29 @@ impl Quadratic {
 fn zeros(stiffness: &[DMatrix<f64>], size: usize) -> usize {
     let transposed: Vec<DMatrix<f64>> = stiffness.iter().map(DMatrix::transpose).collect();
     free(stiffness, size).ncols().max(free(&transposed, size).ncols())
+}
+
+/// Turns coordinates, so that K depends on none of the first of them, whatever the coefficients; how many these are. The mass stays
+/// the identity.
+fn unheld_first(terms: &mut [DMatrix<f64>], damping_terms: usize) -> usize {
+    let size = terms.first().map_or(0, DMatrix::nrows);
+    let unheld = free(&terms[damping_terms..], size);
+    let number = unheld.ncols();
+    if number == 0 {
+        return 0;
+    }
+    let rest = complement(&unheld);
+    let turned = DMatrix::from_fn(size, size, |row, column| match column.checked_sub(number) {
+        None => unheld[(row, column)],
+        Some(column) => rest[(row, column)],
+    });
+    for (place, term) in terms.iter_mut().enumerate() {
+        *term = turned.tr_mul(&(&*term * &turned));
+        if place >= damping_terms {
+            term.columns_mut(0, number).fill(0.0);
+        }
+    }
+    number
 }
 
 /// A real matrix times a complex vector.

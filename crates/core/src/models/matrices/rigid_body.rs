@@ -82,7 +82,7 @@ pub(super) fn without_free(mut terms: Vec<DMatrix<f64>>) -> (Vec<DMatrix<f64>>, 
 }
 
 /// Orthonormal columns that complete these.
-fn complement(columns: &DMatrix<f64>) -> DMatrix<f64> {
+pub(super) fn complement(columns: &DMatrix<f64>) -> DMatrix<f64> {
     let (size, number) = columns.shape();
     if number == size {
         return DMatrix::zeros(size, 0);

@@ -221,8 +221,10 @@ impl Configuration for Samples {
         let Problem::Dense(problem) = &self.shared.problem else { return None };
         let states = |sample: usize| {
             let values = problem.at(&self.coefficients(samples, sample)).eigenvalues();
-            let mut states = values.map(|values| limit_states(&values, &self.shared.scaled)).unwrap_or_default();
-            states.resize(problem.size(), f64::NAN);
+            let Ok(values) = values else { return vec![f64::NAN; problem.size()] };
+            let mut states = limit_states(&values, &self.shared.scaled);
+            // Two motions that dampers alone hold have one together.
+            states.resize(problem.size(), 1.0);
             states
         };
         Some((0..samples.len()).map(states).collect())

@@ -22,8 +22,8 @@
 //! alike: their vectors of second order vanish, and with them the other quantities. It is part of the bound too.
 //!
 //! Two groups that come near each other are a case of its own. What couples them may be little beside what couples each with
-//! all others, and is not seen in these norms; but where they meet it decides. With the coupling c of both and the distance g of
-//! their eigenvalues at the sample, these are off by less than `c^2 / g`, and are not told where g is not well above c.
+//! all others, and is not seen in these norms; but where they meet it decides. With the coupling c of two modes and the
+//! distance g of their eigenvalues at the sample, these are off by some `c^2 / g`, and by no more than c.
 //!
 //! Modes far from the region are not followed; how far changes may go before one comes near is measured
 //! ([`far`](super::far)).
@@ -53,7 +53,7 @@ const STRONG_COUPLING: f64 = 0.2;
 /// Two groups are near each other if their distance is below this part of that at the origin.
 const NEAR: f64 = 0.5;
 
-/// What the error that their coupling makes is multiplied by, and how much larger than the coupling their distance has to be.
+/// What the error that their coupling makes is multiplied by.
 const SAFETY_OF_COUPLING: f64 = 4.0;
 
 /// A series serves for samples about other coefficients if so many times their distance is within its reach.
@@ -86,6 +86,8 @@ struct Meeting {
     followed: [Range<usize>; 2],
     /// The square of the distance below which they are near.
     near: f64,
+    /// Whether one of them has several modes.
+    is_of_several: bool,
 }
 
 impl ModeSeries {
@@ -132,16 +134,23 @@ impl ModeSeries {
             n: Polynomial::default(),
             squares: Default::default(),
         };
-        groups(&near, &all, &typical)
-            .into_iter()
-            .for_each(|modes| series.add_group(modes, &all, &products, keeps_vectors));
+        let groups = groups(&near, &all, &typical);
+        let followed = groups.concat();
+        groups.into_iter().for_each(|modes| series.add_group(modes, &all, &products, &followed, keeps_vectors));
         series.meetings = meetings(&series.groups);
         let follow = |delta: &[f64]| series.eigenvalues(&Monomials::new(delta.to_vec()));
         let safe = SafeChanges::measured(problem, origin, changing, regions, FOLLOWED * highest, follow);
         Some(Self { safe: Some(safe), ..series })
     }
 
-    fn add_group(&mut self, modes: Vec<usize>, all: &Changes, products: &[Products; 2], keeps_vectors: bool) {
+    fn add_group(
+        &mut self,
+        modes: Vec<usize>,
+        all: &Changes,
+        products: &[Products; 2],
+        followed: &[usize],
+        keeps_vectors: bool,
+    ) {
         let count = all.changes.len();
         let first = self.p[0].width();
         let first_order = FirstOrder::new(all, &modes);
@@ -163,16 +172,13 @@ impl ModeSeries {
         }
         self.p[2].push(&third);
         let eigenvalues = modes.iter().map(|&mode| all.eigenvalues[mode]).collect();
-        let mut vectors = second_order.vectors(first_order, products);
+        let vectors = second_order.vectors(first_order, products);
         for (order, polynomial) in self.squares.iter_mut().enumerate() {
             let both = vectors[0].squares[order].iter().zip(&vectors[1].squares[order]);
             let values = both.map(|(right, left)| ComplexMatrix::from_element(1, 1, Complex::new(*right, *left)));
             polynomial.push(&values.collect::<Vec<_>>());
         }
-        if !keeps_vectors {
-            vectors.iter_mut().for_each(|vectors| vectors.second.clear());
-        }
-        self.groups.push(Group::new(modes, eigenvalues, first, &vectors));
+        self.groups.push(Group::new(modes, eigenvalues, first, &vectors, followed, keeps_vectors));
     }
 
     /// The eigenvalues that may be in a region with these coefficients, each with its radius; `None` if the series does
@@ -213,12 +219,16 @@ impl ModeSeries {
         if square >= meeting.near {
             return;
         }
+        let places = meeting.followed.clone();
         let [one, other] = meeting.groups.map(|group| &self.groups[group]);
-        let coupling = one.coupling(other, monomials).max(other.coupling(one, monomials));
-        let distance = square.sqrt();
-        let is_told = distance >= SAFETY_OF_COUPLING * coupling.sqrt();
-        let error =
-            if is_told { SAFETY_OF_COUPLING * coupling / distance.max(f64::MIN_POSITIVE) } else { f64::INFINITY };
+        let [of_one, of_other] = places;
+        let coupling = one.coupling(other, of_other, monomials).max(other.coupling(one, of_one, monomials));
+        // Within a group of several an error may move eigenvalues by its root.
+        let error = match coupling > 0.0 {
+            true if meeting.is_of_several => f64::INFINITY,
+            true => SAFETY_OF_COUPLING * coupling / square.sqrt().max(coupling.sqrt()),
+            false => 0.0,
+        };
         for mode in meeting.followed.iter().cloned().flatten() {
             followed[mode].radius += error;
             followed[mode].radius_of_vectors += error;
@@ -277,7 +287,8 @@ fn meetings(groups: &[Group]) -> Vec<Meeting> {
         let [one, other] = pair.map(|group| groups[group].eigenvalues());
         let distances = one.iter().flat_map(|a| other.iter().map(move |b| (a - b).norm_sqr()));
         let near = NEAR * NEAR * distances.fold(f64::INFINITY, f64::min);
-        Meeting { groups: pair, followed: pair.map(|group| places[group].clone()), near }
+        let is_of_several = one.len() > 1 || other.len() > 1;
+        Meeting { groups: pair, followed: pair.map(|group| places[group].clone()), near, is_of_several }
     };
     pairs.map(meeting).collect()
 }

@@ -122,10 +122,13 @@ impl PadOnDisc {
                     let from = if is_gap { speed } else { 0.0 };
                     ranges.push(SpeedRange { from, to: f64::INFINITY });
                 }
-                (Some((_, false)), true) => ranges.push(SpeedRange { from: end(false), to: f64::INFINITY }),
+                (Some((_, false)), true) => {
+                    let from = if is_gap { speed } else { end(false) };
+                    ranges.push(SpeedRange { from, to: f64::INFINITY });
+                }
                 (Some((_, true)), false) => {
                     if let Some(range) = ranges.last_mut() {
-                        range.to = end(true);
+                        range.to = if is_gap { known_from } else { end(true) };
                     }
                 }
                 (None | Some((_, false)), false) | (Some((_, true)), true) => {}
