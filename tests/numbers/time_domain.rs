@@ -144,9 +144,9 @@ fn a_motion_that_still_grows_is_not_called_settled() {
     }
 }
 
-/// Amplitudes change by exp(m1 t / 2). At the critical speed the damping is C = 0.332 and the Stribeck ratio r = 2.918, so that
-/// m1 is r C = 0.97 times the distance from it, and the amplitude changes by 1.5e-7 and 1.5e-6 in a cycle of 3.0: less than
-/// the steps lose, or than shows in a horizon.
+/// Amplitudes change by exp(m1 t / 2). At the critical speed the damping is C = 0.332 and the Stribeck ratio r = 2.918,
+/// so that m1 is r C = 0.97 times the distance from it, and the amplitude changes by 1.5e-7 and 1.5e-6 in a cycle of
+/// 3.0: less than the steps lose, or than shows in a horizon.
 #[test]
 fn a_motion_that_changes_too_slowly_to_show_it_is_not_called_settled() {
     let place = Place::new();
@@ -183,7 +183,8 @@ fn a_motion_that_changes_too_slowly_to_show_it_is_not_called_settled() {
 #[test]
 fn unstable_samples_without_a_settled_amplitude_are_counted_and_said() {
     let place = Place::new();
-    // From 0.01 x0 the motion first sticks after 11.2 units of scaled time, by a classical Runge-Kutta method in Python.
+    // From 0.01 x0 the motion first sticks after 11.2 units of scaled time, by a classical Runge-Kutta method in
+    // Python.
     let text = |horizon: &str| {
         format!(
             "name = \"short\"\n[axes]\nrotating_speed = 10.0\npreload = 0.1\nstatic_friction = 0.39\n[random]\ninputs = []\n\

@@ -1,5 +1,6 @@
-//! What docs/reference/command-line.md promises: its table has every command, and its sections have every key of `--json`.
-//! Options are left to `stickslip COMMAND --help`; `crates/runner/src/help.rs` tests that each says what it does.
+//! What docs/reference/command-line.md promises: its table has every command, and its sections have every key of
+//! `--json`. Options are left to `stickslip COMMAND --help`; `crates/runner/src/help.rs` tests that each says what it
+//! does.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on should say so and stop")]
 

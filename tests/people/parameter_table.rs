@@ -1,5 +1,5 @@
-//! docs/your-brake-in-numbers.md knows every parameter of the brake, and its tables of what ten per cent do are what the
-//! program computes.
+//! docs/your-brake-in-numbers.md knows every parameter of the brake, and its tables of what ten per cent do are what
+//! the program computes.
 //!
 //! `STICKSLIP_UPDATE=1 cargo test -p stickslip --test people parameter_table` writes the tables again.
 

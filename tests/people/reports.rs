@@ -595,7 +595,7 @@ fn what_shows_earlier_results_is_named() {
     let time = fs::metadata(place.path("drawn/report.html")).unwrap().modified().unwrap();
     fs::File::options().write(true).open(place.path("drawn/surface.parquet")).unwrap().set_modified(time).unwrap();
     let line = format!(
-        "{} are outdated, as the results have changed since; make them again with `stickslip report drawn`, `stickslip plot drawn --out drawn/surface.pdf` and `stickslip plot drawn`\n",
+        "{} are outdated, as the results have changed since; make them again, for example with `stickslip report drawn`, `stickslip plot drawn --out drawn/surface.pdf` and `stickslip plot drawn`\n",
         made.join(", ")
     );
     for said in [extended, place.run("status drawn").done().stdout, place.run("resume drawn").done().stdout] {
@@ -604,8 +604,7 @@ fn what_shows_earlier_results_is_named() {
     let all = place.run("status .").done().stdout;
     assert!(all.contains(&format!("100.0 %  outdated: {}\n", made.join(", "))), "{all}");
     let checked = place.run("verify drawn").done().stdout;
-    let of_picture =
-        "surface.png: outdated, it shows earlier results of the run; make it again with `stickslip plot drawn`\n";
+    let of_picture = "surface.png: outdated, it shows earlier results of the run; make it again, for example with `stickslip plot drawn`\n";
     assert!(checked.contains(of_picture), "{checked}");
     let checked: Value = serde_json::from_str(&place.run("verify drawn --json").done().stdout).unwrap();
     assert_eq!(checked["state"], "sound", "the run itself is sound");

@@ -164,16 +164,16 @@ fn what_is_asked_for_is_answered_by_the_merge() {
     for (option, why) in [
         (
             "--target 0.03",
-            "--target=0.03: with --shard there is no result yet that could answer it; give it to `stickslip merge`",
+            "--target 0.03: with --shard there is no result yet that could answer it; give it to `stickslip merge`",
         ),
-        ("--at preload=0.1 --at static_friction=0.28", "--at=preload=0.1: with --shard there is no result"),
+        ("--at preload=0.1 --at static_friction=0.28", "--at preload=0.1: with --shard there is no result"),
     ] {
         place.run(&format!("submit job.toml --out part --shard 1/2 {option}")).refused(64, &[why]);
     }
     place.write("mapped.toml", &job("mapped", SLOW, BOTH, "samples = 1000\nevaluate = \"boundary\""));
     place
         .run("submit mapped.toml --out part --map-only --target 0.03")
-        .refused(64, &["--target=0.03: with --map-only there is no result", "the command that computes the samples"]);
+        .refused(64, &["--target 0.03: with --map-only there is no result", "the command that computes the samples"]);
     for command in ["merge shared", "resume shared", "submit job.toml --out part --engine slurm --shards 2"] {
         place
             .run(&format!("{command} --at preload=0.1 --at preload=0.05"))
@@ -261,7 +261,7 @@ fn what_cannot_be_is_refused_before_anything_is_written() {
         ("job.toml --engine parallel --shards 2", vec!["needs --hosts FILE"]),
         ("job.toml --engine parallel --shards 2 --hosts hosts", vec!["there is no machine in it"]),
         ("job.toml --engine slurm", vec!["--shards"]),
-        ("job.toml --engine slurm --shards 0", vec!["--shards", "1..=1000000"]),
+        ("job.toml --engine slurm --shards 0", vec!["--shards", "a whole number from 1 to 1000000"]),
         ("job.toml --engine slurm --shards 2 --shard 1/2", vec!["cannot be used with"]),
         ("job.toml -- --partition=main", vec!["--engine"]),
         ("exact.toml --engine slurm --shards 2", vec!["draws no samples to share"]),

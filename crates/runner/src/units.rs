@@ -83,9 +83,7 @@ pub fn number_with_unit(text: &str) -> Option<String> {
         let value: f64 = format!("{:.8e}", value * factor).parse().unwrap_or(value);
         format!("; {number} {unit} = {value} {si}")
     });
-    // Parameters of matrices have the units of their owner, which no list knows.
-    let listed = "`stickslip parameters` lists those of the pad on the disc";
-    Some(format!("{text} has a unit; write the number alone, in the unit of the parameter ({listed}){same}"))
+    Some(format!("{text} has a unit; write the number alone, in the unit of the parameter{same}"))
 }
 
 /// What is wrong with a text that should be a number and cannot be read as one.
@@ -134,7 +132,7 @@ mod tests {
         let said = number_with_unit("143rpm").unwrap();
         assert!(said.starts_with("143rpm has a unit; ") && said.ends_with("; 143 rpm = 14.974925 rad/s"), "{said}");
         assert!(number_with_unit("2 mm").unwrap().ends_with("; 2 mm = 0.002 m"));
-        assert!(number_with_unit("3.5 furlongs").unwrap().ends_with(" of the pad on the disc)"));
+        assert!(number_with_unit("3.5 furlongs").unwrap().ends_with("alone, in the unit of the parameter"));
         for text in ["143", "abc", "1e4", "0.1:0.2", "[1 2]", "1, 2 m", "2 = m"] {
             assert_eq!(number_with_unit(text), None, "{text}");
         }

@@ -10,7 +10,8 @@ pub struct AskedArguments {
     /// Say first whether the probability is below this one, in place of the job's target
     #[arg(long, value_name = "P", value_parser = probability, allow_negative_numbers = true)]
     pub target: Option<f64>,
-    /// Say first what holds at this operating point, for example rotating_speed=15; once for each axis of several values
+    /// Say first what holds at this operating point, for example rotating_speed=15; once for each axis of several
+    /// values
     #[arg(long, value_name = "AXIS=VALUE", value_parser = axis_value)]
     pub at: Vec<(String, f64)>,
 }

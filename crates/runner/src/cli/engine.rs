@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
+use super::values::whole_number_in;
 use crate::schedule::plan::MOST_SHARDS;
 
 /// What runs the shards of a job.
@@ -33,7 +34,13 @@ pub struct EngineArguments {
     #[arg(long, value_name = "ENGINE", value_enum, conflicts_with = "shard", requires = "shards")]
     pub engine: Option<EngineKind>,
     /// In how many shards, 1 to 1,000,000; another number than before does no harm
-    #[arg(long, value_name = "N", requires = "engine", value_parser = clap::value_parser!(u64).range(1..=MOST_SHARDS))]
+    #[arg(
+        long,
+        value_name = "N",
+        requires = "engine",
+        value_parser = whole_number_in(1..=MOST_SHARDS),
+        allow_negative_numbers = true
+    )]
     pub shards: Option<u64>,
     /// parallel: an ordinary file with a machine in each line, as ssh knows it
     #[arg(long, value_name = "FILE", requires = "engine")]

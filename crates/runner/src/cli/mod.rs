@@ -136,7 +136,8 @@ pub struct SubmitArguments {
     /// Where the run directory holds a run of another job, use one beside it with a digest of this job in its name
     #[arg(long, conflicts_with_all = ["overwrite", "shard", "engine"])]
     pub apart: bool,
-    /// Remove the run that the directory holds, of whatever job, with its pictures, reports and exports, and compute anew
+    /// Remove the run that the directory holds, of whatever job, with its pictures, reports and exports, and compute
+    /// anew
     #[arg(long, conflicts_with_all = ["shard", "engine"])]
     pub overwrite: bool,
     #[command(flatten)]

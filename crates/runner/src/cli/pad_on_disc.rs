@@ -25,12 +25,13 @@ pub struct BrakeArguments {
     /// Take the brake of a job, in place of the preset: a job spec (- reads it from standard input) or a run directory
     #[arg(long, value_name = "JOB.toml|RUN_DIR", group = "of_a_job")]
     pub job: Option<PathBuf>,
-    /// The cell of the job whose expected values are taken [default: the middle of its axes, of two values the first]
+    /// The cell of the job whose expected values are taken [default: the middle of its axes, of two in the middle the
+    /// first]
     #[arg(long, value_name = "I", value_parser = whole_number, allow_negative_numbers = true, requires = "of_a_job")]
     pub cell: Option<u64>,
     /// Change a value by its key in `stickslip parameters`, for example friction.static_coefficient=0.45, also
-    /// operating_point.preload_force, or one of the model of the job by its name, for example belt_speed=1.2; may be
-    /// repeated
+    /// operating_point.preload_force, friction.law=rational, or friction.table=FILE with friction.smoothing=spline; or
+    /// one of the model of the job by its name, for example belt_speed=1.2; may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub set: Vec<String>,
 }
@@ -56,8 +57,8 @@ pub struct TrajectoryArguments {
     /// The disc under the pad [default: the job's, rigid with kind = "eigenvalue"; without a job flexible]
     #[arg(long, value_enum)]
     pub disc: Option<DiscArgument>,
-    /// Number of modes of the flexible disc, lowest frequencies first [default: the job's, or as many as the growth rate
-    /// needs]
+    /// Number of modes of the flexible disc, lowest frequencies first [default: the job's, or as many as the growth
+    /// rate needs]
     #[arg(long, value_name = "N", value_parser = count, allow_negative_numbers = true)]
     pub disc_modes: Option<usize>,
     /// Grid of the finite-difference disc: radial intervals, elements under the pad (6 N around the disc) [default:
@@ -123,8 +124,8 @@ impl DiscArgument {
 /// Arguments of `fit`.
 #[derive(Debug, Args)]
 pub struct FitArguments {
-    /// The tests: a CSV file with the columns rotating_speed, preload, squealed and perhaps count, or onset_speed, preload
-    /// and perhaps censored
+    /// The tests: a CSV file with the columns rotating_speed, preload, squealed and perhaps count, or onset_speed,
+    /// preload and perhaps censored
     #[arg(value_name = "DATA.csv")]
     pub data: PathBuf,
     /// The job whose brake was tested; - reads it from standard input
@@ -139,8 +140,8 @@ pub struct FitArguments {
         default_values = ["static_friction", "std.static_friction"]
     )]
     pub estimate: Vec<EstimateArgument>,
-    /// Write a job with the estimates in place, named with -fitted after it; with preload_factor its preloads are the true
-    /// ones
+    /// Write a job with the estimates in place, named with -fitted after it; with preload_factor its preloads are the
+    /// true ones
     #[arg(long, value_name = "NEW_JOB.toml")]
     pub out: Option<PathBuf>,
     /// Draw the tests and the fitted probability of squeal over the speed, as SVG, PDF or PNG by the name of the file;

@@ -1,5 +1,6 @@
 //! Values of options, checked as they are read.
 
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
 use crate::units::{hundredth, not_a_number};
@@ -18,6 +19,14 @@ pub fn whole_number(text: &str) -> Result<u64, String> {
     let with_exponent = || plain.parse().ok().filter(whole).map(|number: f64| number as u64);
     let number = plain.parse().ok().or_else(with_exponent);
     number.ok_or_else(|| "write a whole number, for example 10000, 10_000 or 1e4".to_owned())
+}
+
+/// A whole number in a range.
+pub fn whole_number_in(range: RangeInclusive<u64>) -> impl Fn(&str) -> Result<u64, String> + Clone + Send + Sync {
+    move |text: &str| {
+        let number = whole_number(text).ok().filter(|number| range.contains(number));
+        number.ok_or_else(|| format!("write a whole number from {} to {}", range.start(), range.end()))
+    }
 }
 
 /// A whole number of things in memory.
@@ -53,8 +62,12 @@ pub fn probability(text: &str) -> Result<f64, String> {
 
 /// A time since the start of a motion.
 pub fn seconds(text: &str) -> Result<f64, String> {
-    let time = text.parse().ok().filter(|&time: &f64| time >= 0.0 && time.is_finite());
-    time.ok_or_else(|| "a time is a number of seconds since the start of the motion, for example 0.002".to_owned())
+    const FORM: &str = "a time is a number of seconds since the start of the motion, for example 0.002";
+    match number(text) {
+        Ok(time) if time >= 0.0 && time.is_finite() => Ok(time),
+        Ok(_) => Err(FORM.to_owned()),
+        Err(why) => Err(format!("{why}; {FORM}")),
+    }
 }
 
 /// An axis with a value on it.
@@ -112,6 +125,14 @@ mod tests {
         assert!(refused("preload=").starts_with("there is no number; "), "{}", refused("preload="));
         assert_eq!(refused("preload"), "an axis and a number on it are written as in rotating_speed=15");
         assert_eq!(axis_value(" preload = 0.1 "), Ok(("preload".to_owned(), 0.1)));
+        assert!(seconds("0,002").unwrap_err().starts_with("0,002 has a decimal comma; write 0.002; a time is"));
+        assert!(seconds("-1").unwrap_err().starts_with("a time is a number of seconds"));
+        assert_eq!(seconds("2e-3"), Ok(2e-3));
+        let vectors = whole_number_in(1..=400);
+        assert_eq!([vectors("1e2"), vectors("4_00")], [Ok(100), Ok(400)]);
+        for text in ["0", "401", "-1", "many"] {
+            assert_eq!(vectors(text), Err("write a whole number from 1 to 400".to_owned()), "{text}");
+        }
         assert_eq!([count("3"), count("1e3")], [Ok(3), Ok(1000)]);
         assert_eq!(number("1e-3"), Ok(1e-3));
     }

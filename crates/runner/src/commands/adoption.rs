@@ -119,7 +119,8 @@ pub fn apart(out: &Path, job: &Job) -> Result<RunDirectory, Failure> {
     RunDirectory::create(&beside, Access::Alone, AN_INSTANT)
 }
 
-/// The directory `out`, unless it holds a run of another job. Files that this run names, such as its matrices, may be gone.
+/// The directory `out`, unless it holds a run of another job. Files that this run names, such as its matrices, may be
+/// gone.
 fn unless_of_another(out: &Path, job: &Job) -> Result<Option<RunDirectory>, Failure> {
     let is_of_another = |directory: &RunDirectory| {
         directory.job_to_read().is_ok_and(|existing| existing.experiment_hash() != job.experiment_hash())

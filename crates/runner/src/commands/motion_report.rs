@@ -244,10 +244,11 @@ fn settled_table(scales: &Scales, trajectory: &Trajectory, settled: &SettledMoti
 /// What is said of a motion that has not settled.
 fn how_it_goes_on(scales: &Scales, settled: &SettledMotion) -> String {
     let change = settled.amplitude_change.unwrap_or(0.0);
+    // Once it sticks, its amplitude may rise or fall to that of its cycle.
+    let will_stick = settled.outcome == Outcome::Sticks && settled.slides;
     let grows = match settled.outcome {
         Outcome::Amplitude(end) => end > amplitude(settled),
-        Outcome::Sticks => true,
-        Outcome::Unknown => change > 0.0,
+        Outcome::Sticks | Outcome::Unknown => will_stick || change > 0.0,
     };
     // Where it changes less than the steps resolve, its change in this time may have the other sign.
     let by = match (change > 0.0) == grows && change != 0.0 {
@@ -255,8 +256,8 @@ fn how_it_goes_on(scales: &Scales, settled: &SettledMotion) -> String {
         false => ", more slowly than shows in this time".to_owned(),
     };
     let to = match settled.outcome {
-        Outcome::Unknown => String::new(),
-        Outcome::Sticks => ", up to stick-slip".to_owned(),
+        Outcome::Sticks if will_stick => ", up to stick-slip".to_owned(),
+        Outcome::Sticks | Outcome::Unknown => String::new(),
         Outcome::Amplitude(0.0) => ", down to rest".to_owned(),
         Outcome::Amplitude(end) => {
             format!(", {} to {end:.6} ({})", if grows { "up" } else { "down" }, length(scales.metres(end)))
@@ -311,4 +312,41 @@ pub fn columns(moments: &[Moment], scales: &Scales) -> Vec<DescribedColumn> {
             &|m| mm(m.deflection.1),
         ),
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_has_not_settled_goes_where_its_end_is_known_to_be() {
+        let scales = Scales { flexural_rigidity: 1.0, length: 0.02, time: 1e-4, speed: 200.0, eta0: 1e8 };
+        let motion = |outcome: Outcome, slides: bool, change: f64| SettledMotion {
+            tangential_max: 0.3,
+            tangential_min: 0.1,
+            tangential_mean: 0.2,
+            period: Some(1.0),
+            stick_fraction: if slides { 0.0 } else { 0.4 },
+            slides,
+            has_settled: false,
+            amplitude_change: Some(change),
+            outcome,
+        };
+        for (outcome, slides, change, said) in [
+            (Outcome::Sticks, true, 0.01, "grows by 1.000 % in this time, up to stick-slip;"),
+            (Outcome::Sticks, true, -1e-9, "grows, more slowly than shows in this time, up to stick-slip;"),
+            // It sticks already, and its amplitude is not yet that of its cycle.
+            (Outcome::Sticks, false, 0.01, "grows by 1.000 % in this time;"),
+            (Outcome::Sticks, false, -0.01, "shrinks by 1.000 % in this time;"),
+            (Outcome::Unknown, true, -0.01, "shrinks by 1.000 % in this time;"),
+            (Outcome::Amplitude(0.0), true, -0.01, "shrinks by 1.000 % in this time, down to rest;"),
+            (Outcome::Amplitude(0.2), true, 0.01, "grows by 1.000 % in this time, up to 0.200000 (4.000 mm);"),
+        ] {
+            let shown = how_it_goes_on(&scales, &motion(outcome, slides, change));
+            assert!(
+                shown.starts_with(&format!("Its amplitude still {said}")),
+                "{outcome:?} {slides} {change}: {shown}"
+            );
+        }
+    }
 }

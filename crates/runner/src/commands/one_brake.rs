@@ -182,7 +182,10 @@ fn changed(mut parameters: Parameters, changes: &[String]) -> Result<PadOnDisc, 
         if ["friction.law", "friction.table", "friction.smoothing"].contains(&key) {
             continue;
         }
-        let number: f64 = value.parse().map_err(|_| refused(units::not_a_number(value)))?;
+        let number: f64 = value.parse().map_err(|_| {
+            let units = units::number_with_unit(value).map_or("", |_| "; `stickslip parameters` lists the units");
+            refused(format!("{}{units}", units::not_a_number(value)))
+        })?;
         if key == preload_force::KEY {
             force = Some((change, number));
             continue;

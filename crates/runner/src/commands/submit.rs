@@ -130,7 +130,10 @@ pub fn resume(arguments: &ResumeArguments, interrupt: &Interrupt) -> Result<(), 
 
 /// Refuses a question to what computes a part of a run and prints no result.
 fn refuse_to_ask_a_part(arguments: &SubmitArguments) -> Result<(), Failure> {
-    let Some(option) = arguments.asked.options().next() else { return Ok(()) };
+    // As it is typed, with a space between option and value.
+    let Some(option) = arguments.asked.options().next().map(|option| option.replacen('=', " ", 1)) else {
+        return Ok(());
+    };
     let (part, remedy) = match arguments.shard {
         _ if arguments.map_only => ("--map-only", "give it to the command that computes the samples"),
         Some(_) => ("--shard", "give it to `stickslip merge`, which prints that of all shards"),

@@ -158,7 +158,7 @@ impl Check<'_> {
             self.find(
                 &name,
                 State::Outdated,
-                format!("outdated, it shows earlier results of the run; make it again with `{again}`"),
+                format!("outdated, it shows earlier results of the run; make it again, for example with `{again}`"),
             );
         }
         self.record();

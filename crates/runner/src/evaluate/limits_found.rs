@@ -57,8 +57,8 @@ impl From<Estimate> for Intervals {
     }
 }
 
-/// The same estimates, each of which is made once: several targets ask at the same values, and both ends of the axis are
-/// asked for again beside the limits.
+/// The same estimates, each of which is made once: several targets ask at the same values, and both ends of the axis
+/// are asked for again beside the limits.
 pub fn each_once(estimate: impl Fn(f64) -> Result<Intervals, Ended>) -> impl Fn(f64) -> Result<Intervals, Ended> {
     let known: RefCell<BTreeMap<u64, Intervals>> = RefCell::default();
     move |value: f64| {

@@ -48,7 +48,7 @@ impl LimitAxis {
                     job.name
                 ),
                 None if ["std", "relative_std"].contains(&name) || name.starts_with("std_") => format!(
-                    "limits are sought along expected values, and this is a scatter (the job \"{}\": {several}); read p_high of each standard deviation in surface.parquet",
+                    "limits are sought along expected values, and this is a scatter (the job \"{}\": {several}); to find the largest scatter, compare p_high of each standard deviation in surface.parquet",
                     job.name
                 ),
                 None => job.model.no_limit_axis(name).unwrap_or_else(|| {

@@ -55,8 +55,8 @@ pub trait JobModel: Debug + Send + Sync {
         Vec::new()
     }
 
-    /// The one of them about speeds at which steady sliding is unstable on a measured friction curve, and which lie between
-    /// the values of an axis.
+    /// The one of them about speeds at which steady sliding is unstable on a measured friction curve, and which lie
+    /// between the values of an axis.
     fn hidden_speeds(&self, grid: &Grid) -> Option<String> {
         let _ = grid;
         None
@@ -91,8 +91,8 @@ pub trait JobModel: Debug + Send + Sync {
         None
     }
 
-    /// The measured friction curve, with the speeds at which steady sliding is unstable with these values of all quantities;
-    /// `None` of another friction law.
+    /// The measured friction curve, with the speeds at which steady sliding is unstable with these values of all
+    /// quantities; `None` of another friction law.
     fn friction_curve(&self, expected: &[f64]) -> Option<FrictionCurve> {
         let _ = expected;
         None
@@ -163,8 +163,8 @@ pub enum Boundary {
     Verdicts,
 }
 
-/// A model that is being checked: its tables as written, and what is known of them so far. The methods are called in the
-/// order in which they stand here; each complains about what it refuses.
+/// A model that is being checked: its tables as written, and what is known of them so far. The methods are called in
+/// the order in which they stand here; each complains about what it refuses.
 pub trait Draft {
     /// Its quantities. They are known although values may be refused.
     fn quantities(&self) -> &[Quantity];
@@ -213,8 +213,8 @@ pub trait Draft {
         String::new()
     }
 
-    /// Leaves out the files that a run names and does not keep, such as those of matrices. Such a model says what it is, and
-    /// nothing can be computed of it.
+    /// Leaves out the files that a run names and does not keep, such as those of matrices. Such a model says what it
+    /// is, and nothing can be computed of it.
     fn leave_files(&mut self) {}
 
     /// Checks the values of `[model]`.
@@ -288,8 +288,8 @@ pub fn table_of(value: &impl Serialize) -> toml::Table {
 /// Configurations at most at which what must hold for all of a job is checked.
 const MOST_CORNERS: usize = 32;
 
-/// Checks that a model can be configured at the extremes of the axes of a grid: at all combinations, or if these are too
-/// many, at all smallest and all largest values.
+/// Checks that a model can be configured at the extremes of the axes of a grid: at all combinations, or if these are
+/// too many, at all smallest and all largest values.
 pub fn configurable(model: &dyn Model, grid: &Grid) -> Result<(), ModelError> {
     let axes: Vec<(usize, [f64; 2])> = grid.axes.iter().map(|axis| (axis.quantity, axis.axis.extremes())).collect();
     let varying: Vec<usize> = (0..axes.len()).filter(|&i| axes[i].1[0] < axes[i].1[1]).collect();

@@ -91,7 +91,8 @@ impl Job {
         Ok(cell)
     }
 
-    /// The values of a cell on its axes, slowest first, with which it is asked about; that of scatter only where it varies.
+    /// The values of a cell on its axes, slowest first, with which it is asked about; that of scatter only where it
+    /// varies.
     pub fn point(&self, cell: u64) -> Vec<(String, f64)> {
         let mut point = Vec::new();
         let mut left = cell;
@@ -106,8 +107,8 @@ impl Job {
         point
     }
 
-    /// The names of all axes with their values, slowest first. That of scatter has the values of the first input in which these
-    /// differ.
+    /// The names of all axes with their values, slowest first. That of scatter has the values of the first input in
+    /// which these differ.
     fn axes_and_scatter(&self) -> Vec<(String, Vec<f64>)> {
         let of_grid = |axis: &GridAxis| (self.quantity(axis.quantity).name.to_string(), axis.axis.values().to_vec());
         let mut axes: Vec<(String, Vec<f64>)> = self.grid.axes.iter().map(of_grid).collect();

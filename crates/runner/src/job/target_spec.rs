@@ -1,4 +1,5 @@
-//! The table `[target]` of a job spec: which probability the summary of a run answers first, and at which operating point.
+//! The table `[target]` of a job spec: which probability the summary of a run answers first, and at which operating
+//! point.
 
 use std::collections::BTreeMap;
 
@@ -8,16 +9,16 @@ use toml::Spanned;
 
 use super::diagnosis::{Complaint, Complaints};
 
-/// The probability of instability that must not be reached, which the summary of a run and its report say first. The surface does not
-/// depend on it.
+/// The probability of instability that must not be reached, which the summary of a run and its report say first. The
+/// surface does not depend on it.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TargetSpec {
     /// The probability; `--target` wins over it.
     #[schemars(with = "f64", extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 1))]
     pub probability: Option<Spanned<f64>>,
-    /// The operating point, a value of each axis of several values: `{ preload = 0.1, static_friction = 0.4 }`. `--at` wins
-    /// over it.
+    /// The operating point, a value of each axis of several values: `{ preload = 0.1, static_friction = 0.4 }`. `--at`
+    /// wins over it.
     #[schemars(with = "Option<serde_json::Map<String, serde_json::Value>>")]
     pub at: Option<Spanned<BTreeMap<Spanned<String>, Spanned<f64>>>>,
 }

@@ -69,7 +69,8 @@ impl KnownCell {
         let Estimate { probability, low, high } = self.estimate;
         // One sample says everything there, and no interval is needed.
         let scatters = !job.random.scatters_nothing();
-        let has_confidence = scatters && job.answer() != Answer::Integral;
+        // An integral has bounds, but for what the audit of its verdict map leaves open.
+        let has_confidence = scatters && (job.answer() != Answer::Integral || self.unaudited.is_some());
         let at: serde_json::Map<String, Value> =
             job.point(cell).into_iter().map(|(axis, value)| (axis, value.into())).collect();
         json!({
@@ -282,6 +283,8 @@ mod tests {
         let exact = of(known(Some(0.02), 0.02, 0.02), &job("method = \"exact\""));
         assert_eq!([&exact["confidence"], &exact["met"]], [&Value::Null, &Value::Bool(true)]);
         assert_eq!(exact["interval"], "bounds of the integral");
+        let audited = KnownCell { unaudited: Some(0.002), ..known(Some(0.02), 0.018, 0.022) };
+        assert_eq!(of(audited, &job("method = \"exact\""))["confidence"], 0.95);
     }
 
     #[test]

@@ -1,5 +1,5 @@
-//! What needs a word: samples outside the model, undecided ones and failed ones, unstable ones without a settled amplitude,
-//! and cells without a probability.
+//! What needs a word: samples outside the model, undecided ones and failed ones, unstable ones without a settled
+//! amplitude, and cells without a probability.
 
 use indicatif::HumanCount;
 use stickslip_core::model::recorded::RecordedOf;
@@ -8,7 +8,8 @@ use crate::job::{Job, OutsidePhysics};
 use crate::output::counted;
 use crate::tables::row::CONTRADICTED;
 
-/// How many samples of a run lie outside the model, are undecided, and failed, and how many of its cells have no probability.
+/// How many samples of a run lie outside the model, are undecided, and failed, and how many of its cells have no
+/// probability.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Exceptions {
     samples: u128,

@@ -233,8 +233,8 @@ impl GridView {
         self.axes.iter().filter(move |axis| axis.values.len() > 1 && axis.stride != but)
     }
 
-    /// The values of a cell on some axes, but its standard deviations: "15 rad/s", "pad.mass = 0.1 kg". Of axes with one
-    /// value only those that are always given are among them.
+    /// The values of a cell on some axes, but its standard deviations: "15 rad/s", "pad.mass = 0.1 kg". Of axes with
+    /// one value only those that are always given are among them.
     fn values_of(&self, cell: u64, is_wanted: impl Fn(usize) -> bool) -> Vec<String> {
         let wanted = || self.axes.iter().enumerate().filter(|(i, _)| *i != self.std && is_wanted(*i));
         let value = |axis: &ViewAxis| axis.values[axis.position(cell)];
@@ -405,8 +405,8 @@ pub fn probability(value: f64) -> String {
     if value == 0.0 || value >= 1e-3 { format!("{value:.4}") } else { format!("{value:.1e}") }
 }
 
-/// The same with as many more digits as it takes to lie on the same side of a limit as the number itself: 0.04999 is below
-/// 0.05, and 0.0500 is not.
+/// The same with as many more digits as it takes to lie on the same side of a limit as the number itself: 0.04999 is
+/// below 0.05, and 0.0500 is not.
 pub fn probability_beside(value: f64, limit: Option<f64>) -> String {
     let keeps_its_side = |text: &String| {
         let shown: f64 = text.parse().unwrap_or(value);

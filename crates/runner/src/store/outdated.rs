@@ -81,28 +81,32 @@ pub fn line(names: &[String], run: &Path) -> String {
     };
     let (are, them) = if names.len() == 1 { ("is", "it") } else { ("are", "them") };
     format!(
-        "{} {are} outdated, as the results have changed since; make {them} again with {commands}\n",
+        "{} {are} outdated, as the results have changed since; make {them} again, for example with {commands}\n",
         names.join(", ")
     )
 }
 
-/// The command that makes such a file again.
+/// A command that makes such a file again, with options of which its name tells.
 pub fn renewal(name: &str, run: &Path) -> String {
     let file = quoted(&run.join(name));
     let run = quoted(run);
-    let (stem, ending) = name.rsplit_once('.').unwrap_or((name, ""));
-    let (command, is_named) = match stem {
-        _ if name.starts_with("report.") => (format!("stickslip report {run}"), name == "report.html"),
-        "difference" => (format!("stickslip plot {run} --against RUN_DIR"), true),
-        "sobol" => (format!("stickslip plot {run} --of sobol"), true),
-        "surface" => (format!("stickslip plot {run}"), true),
-        _ => match stem.strip_prefix("sobol-") {
-            Some(result) => (format!("stickslip plot {run} --of sobol --result {}", quoted(Path::new(result))), true),
-            None => (format!("stickslip plot {run}"), false),
+    // What it shows stands before the first dot; what people add to a name stands behind it.
+    let (kind, rest) = name.split_once('.').unwrap_or((name, ""));
+    let command = match kind {
+        "report" => format!("stickslip report {run}"),
+        "difference" => format!("stickslip plot {run} --against RUN_DIR"),
+        "sobol" => format!("stickslip plot {run} --of sobol"),
+        _ => match kind.strip_prefix("sobol-") {
+            Some(result) => format!("stickslip plot {run} --of sobol --result {}", quoted(Path::new(result))),
+            None => format!("stickslip plot {run}"),
         },
     };
     // Without a name, plots are written as these two.
-    let is_default = is_named && matches!(ending, "html" | "svg" | "png");
+    let is_default = match kind {
+        "report" => rest == "html",
+        "surface" | "difference" | "sobol" => matches!(rest, "svg" | "png"),
+        _ => kind.starts_with("sobol-") && matches!(rest, "svg" | "png"),
+    };
     if is_default { command } else { format!("{command} --out {file}") }
 }
 
@@ -118,6 +122,12 @@ mod tests {
             ("surface.svg", "stickslip plot runs/a"),
             ("surface.pdf", "stickslip plot runs/a --out runs/a/surface.pdf"),
             ("surface.paper.svg", "stickslip plot runs/a --out runs/a/surface.paper.svg"),
+            ("sobol.paper.svg", "stickslip plot runs/a --of sobol --out runs/a/sobol.paper.svg"),
+            (
+                "sobol-amplitude.paper.svg",
+                "stickslip plot runs/a --of sobol --result amplitude --out runs/a/sobol-amplitude.paper.svg",
+            ),
+            ("difference.paper.svg", "stickslip plot runs/a --against RUN_DIR --out runs/a/difference.paper.svg"),
             ("sobol.png", "stickslip plot runs/a --of sobol"),
             (
                 "sobol-amplitude.pdf",
@@ -130,7 +140,7 @@ mod tests {
         let names = ["surface.png", "surface.svg"].map(str::to_owned);
         assert_eq!(
             line(&names, Path::new("runs/a")),
-            "surface.png, surface.svg are outdated, as the results have changed since; make them again with `stickslip plot runs/a`\n"
+            "surface.png, surface.svg are outdated, as the results have changed since; make them again, for example with `stickslip plot runs/a`\n"
         );
     }
 }

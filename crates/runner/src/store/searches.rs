@@ -1,7 +1,7 @@
 //! Pieces of searches: their answers, in the order in which they were asked for.
 //!
-//! They are written to a folder of their own as pieces of samples are: the first line names what is searched, and each further
-//! one has the cell and the number of a search, the number of its first answer, and answers by their bits.
+//! They are written to a folder of their own as pieces of samples are: the first line names what is searched, and each
+//! further one has the cell and the number of a search, the number of its first answer, and answers by their bits.
 
 use std::collections::BTreeMap;
 use std::mem;
@@ -138,8 +138,8 @@ impl Drop for Searches {
     }
 }
 
-/// What searches are of: those of a kind, for a job, which end in a file with this footer. A kind that asks in another order
-/// has another name, as its answers are known by their order.
+/// What searches are of: those of a kind, for a job, which end in a file with this footer. A kind that asks in another
+/// order has another name, as its answers are known by their order.
 pub fn digest_of_searches(kind: &str, experiment: &str, footer: &[(&'static str, String)]) -> String {
     blake3::hash(format!("{kind} {experiment} {footer:?}").as_bytes()).to_hex().to_string()
 }
@@ -149,7 +149,8 @@ fn decode(bytes: &[u8]) -> Result<(Owner, Vec<Stored>), String> {
     Ok((owner, lines.collect::<Result<_, _>>()?))
 }
 
-/// The first answers of a search, up to the first that no part has. Parts of two processes overlap with the same answers.
+/// The first answers of a search, up to the first that no part has. Parts of two processes overlap with the same
+/// answers.
 fn joined(mut parts: Vec<(u64, Vec<u64>)>) -> Vec<f64> {
     parts.sort_by_key(|(first, _)| *first);
     let mut all = Vec::new();

@@ -75,6 +75,8 @@ pub struct SettledMotion {
     pub period: Option<f64>,
     /// Share of the time spent in stick.
     pub stick_fraction: f64,
+    /// Whether the pad never comes near the disc's speed.
+    pub slides: bool,
     /// Whether it has settled.
     pub has_settled: bool,
     /// If it has not, the share by which the amplitude rises, or falls if negative, from the first to the last of four
@@ -138,6 +140,7 @@ impl SettledMotion {
             tangential_mean: mean(moments, start, to),
             period,
             stick_fraction,
+            slides,
             has_settled,
             amplitude_change: Some(change).filter(|change| !has_settled && change.is_finite()),
             outcome,
