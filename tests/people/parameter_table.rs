@@ -118,8 +118,8 @@ fn tables(place: &Place) -> String {
     );
     let those = |alone: bool| rows.iter().filter(|row| row.2 == alone).map(|row| row.3.as_str()).collect::<String>();
     format!(
-        "\n{head}{}\nThe growth on a flexible disc alone changes with these, and by {LEAST_GROWTH} at most with all others:\n\n\
-         | parameter, -10 % / +10 % | growth |\n|---|---|\n{}\n",
+        "\n{head}{}\nThese change the growth on a flexible disc alone; parameters in neither table change it by at most \
+         {LEAST_GROWTH} 1/s:\n\n| parameter, -10 % / +10 % | growth, flexible disc ({growth} 1/s) |\n|---|---|\n{}\n",
         those(false),
         those(true)
     )
