@@ -22,13 +22,28 @@ fn section(page: &str, heading: &str) -> String {
     below.take_while(|line| !line.starts_with('#')).collect::<Vec<_>>().join("\n")
 }
 
-/// Asserts that a text names every key of an object. A quantity in several units may stand there by its name alone.
+/// Objects whose keys are names of axes, parameters or inputs.
+const BY_NAME: [&str; 6] = ["at", "estimates", "from_job", "derivatives", "critical_values", "parameters"];
+
+/// What another section or page describes.
+const ELSEWHERE: [&str; 4] = ["decision", "job", "largest", "limits"];
+
+/// Asserts that a text names every key of an object, of those within it, and of the first entry of each list. A quantity
+/// in several units may stand there by its name alone.
 #[track_caller]
-fn assert_names(text: &str, object: &Value) {
+fn assert_names(text: &str, value: &Value) {
     let is_named = |key: &str| text.contains(&format!("`{key}`"));
-    for key in object.as_object().unwrap().keys() {
+    if let Some(first) = value.get(0) {
+        assert_names(text, first);
+    }
+    for (key, value) in value.as_object().into_iter().flatten() {
         let in_any_unit = ["_rad_s", "_m_s", "_mm"].iter().filter_map(|unit| key.strip_suffix(*unit)).any(is_named);
         assert!(is_named(key) || in_any_unit, "docs/reference/command-line.md does not have {key}: {text}");
+        match value.as_object().filter(|_| BY_NAME.contains(&key.as_str())) {
+            Some(named) => named.values().for_each(|value| assert_names(text, value)),
+            None if ELSEWHERE.contains(&key.as_str()) => (),
+            None => assert_names(text, value),
+        }
     }
 }
 
@@ -58,6 +73,7 @@ fn the_page_has_every_key_that_json_has() {
     };
 
     let submitted = answer("submit job.toml --at preload=0.03 --at static_friction=0.27 --target 0.1");
+    assert!(submitted.is_object() && submitted["decision"].is_object(), "{submitted}");
     assert_names(&section(&page, "submit"), &submitted);
     assert_names(&section(&page, "The decision for programs"), &submitted["decision"]);
     answer("submit job.toml --out other");
