@@ -130,40 +130,50 @@ impl Group {
         [bound, bound.min(SAFETY_OF_VECTORS * extrapolated.max(of_coupling))]
     }
 
-    /// The eigenvalues of `N^-1 P`, each with its radius, from the squared norms of the vectors.
+    /// The eigenvalues of `N^-1 P`, each with the error of P in place of its radius, from the squared norms of the vectors; and how far
+    /// they spread.
     pub(super) fn follow(
         &self,
         place: usize,
         orders: &Orders<'_>,
         squares: [Complex<f64>; 2],
         followed: &mut Vec<Followed>,
-    ) -> Option<()> {
+    ) -> Option<f64> {
         let own = self.modes.len();
-        let errors = self.errors(orders, squares);
+        let [radius, radius_of_vectors] = self.errors(orders, squares);
+        let mut push = |eigenvalue| followed.push(Followed { eigenvalue, radius, radius_of_vectors, group: place });
         if let ([eigenvalue], [n]) = (&self.eigenvalues[..], orders.n) {
-            let eigenvalue = (eigenvalue + orders.sum(0)) / (Complex::from(1.0) + n);
-            let [radius, radius_of_vectors] = errors;
-            followed.push(Followed { eigenvalue, radius, radius_of_vectors, group: place });
-            return Some(());
+            push((eigenvalue + orders.sum(0)) / (Complex::from(1.0) + n));
+            return Some(0.0);
         }
         let [p, n] = self.pencil(orders);
         let h = n.lu().solve(&p)?;
         let mean = h.trace() / Complex::from(own as f64);
         let centred = &h - ComplexMatrix::identity(own, own) * mean;
         let spread = centred.iter().map(Complex::norm_sqr).sum::<f64>().sqrt();
-        let eigenvalues: Vec<Eigenvalue> = if own == 2 {
+        if own == 2 {
             let half = (h[(0, 0)] - h[(1, 1)]) * 0.5;
             let root = square_root(half * half + h[(0, 1)] * h[(1, 0)]);
-            vec![mean + root, mean - root]
+            push(mean + root);
+            push(mean - root);
         } else {
             let (_, triangle) = Schur::try_new(centred, f64::EPSILON, 60 * own)?.unpack();
-            triangle.diagonal().iter().map(|value| value + mean).collect()
-        };
-        for (i, eigenvalue) in eigenvalues.iter().enumerate() {
-            let [radius, radius_of_vectors] = errors.map(|error| radius(&eigenvalues, i, spread, error));
-            followed.push(Followed { eigenvalue: *eigenvalue, radius, radius_of_vectors, group: place });
+            triangle.diagonal().iter().for_each(|value| push(value + mean));
         }
-        Some(())
+        Some(spread)
+    }
+
+    /// Makes radii of the errors of P with the eigenvalues of a group that spread so far. That of a single mode is its error.
+    pub(super) fn bound(followed: &mut [Followed], spread: f64) {
+        if followed.len() == 1 {
+            return;
+        }
+        let eigenvalues: Vec<Eigenvalue> = followed.iter().map(|mode| mode.eigenvalue).collect();
+        for (i, mode) in followed.iter_mut().enumerate() {
+            for error in [&mut mode.radius, &mut mode.radius_of_vectors] {
+                *error = radius(&eigenvalues, i, spread, *error);
+            }
+        }
     }
 
     /// P and N as matrices, from what the changes add to those of the origin.

@@ -86,8 +86,6 @@ struct Meeting {
     followed: [Range<usize>; 2],
     /// The square of the distance below which they are near.
     near: f64,
-    /// Whether one of them has several modes.
-    is_of_several: bool,
 }
 
 impl ModeSeries {
@@ -198,40 +196,51 @@ impl ModeSeries {
         let orders = self.orders(monomials, 0..self.n.width());
         let squares = self.squares(monomials);
         let mut followed = Vec::with_capacity(2 * self.groups.len());
+        let mut spreads = Vec::with_capacity(self.groups.len());
         for (place, group) in self.groups.iter().enumerate() {
             let [p @ .., n] = orders.each_ref().map(|values| &values[group.entries.clone()]);
             let squares = squares.each_ref().map(|values| values[place]);
-            group.follow(place, &Orders { p, n }, squares, &mut followed)?;
+            spreads.push(group.follow(place, &Orders { p, n }, squares, &mut followed)?);
         }
-        self.meetings.iter().for_each(|meeting| self.meet(meeting, monomials, &mut followed));
+        self.meetings.iter().for_each(|meeting| self.meet(meeting, &spreads, monomials, &mut followed));
+        followed
+            .chunk_by_mut(|a, b| a.group == b.group)
+            .zip(spreads)
+            .for_each(|(own, spread)| Group::bound(own, spread));
         Some(followed)
     }
 
-    /// Adds what the coupling of two groups does to their eigenvalues where these are near each other.
-    fn meet(&self, meeting: &Meeting, monomials: &Monomials, followed: &mut [Followed]) {
-        let [one, other] = &meeting.followed;
+    /// Adds the error of P that the coupling of two groups makes where these are near each other. The eigenvalues of the groups spread
+    /// so far.
+    fn meet(&self, meeting: &Meeting, spreads: &[f64], monomials: &Monomials, followed: &mut [Followed]) {
+        let [of_one, of_other] = meeting.followed.clone();
         let between = |i: usize| {
             let squares =
-                followed[other.clone()].iter().map(|mode| (mode.eigenvalue - followed[i].eigenvalue).norm_sqr());
+                followed[of_other.clone()].iter().map(|mode| (mode.eigenvalue - followed[i].eigenvalue).norm_sqr());
             squares.fold(f64::INFINITY, f64::min)
         };
-        let square = one.clone().map(between).fold(f64::INFINITY, f64::min);
+        let square = of_one.clone().map(between).fold(f64::INFINITY, f64::min);
         if square >= meeting.near {
             return;
         }
-        let places = meeting.followed.clone();
         let [one, other] = meeting.groups.map(|group| &self.groups[group]);
-        let [of_one, of_other] = places;
-        let coupling = one.coupling(other, of_other, monomials).max(other.coupling(one, of_one, monomials));
-        // Within a group of several an error may move eigenvalues by its root.
-        let error = match coupling > 0.0 {
-            true if meeting.is_of_several => f64::INFINITY,
-            true => SAFETY_OF_COUPLING * coupling / square.sqrt().max(coupling.sqrt()),
-            false => 0.0,
-        };
-        for mode in meeting.followed.iter().cloned().flatten() {
-            followed[mode].radius += error;
-            followed[mode].radius_of_vectors += error;
+        let coupling =
+            one.coupling(other, of_other.clone(), monomials).max(other.coupling(one, of_one.clone(), monomials));
+        if coupling == 0.0 {
+            return;
+        }
+        let distance = square.sqrt().max(coupling.sqrt());
+        // The inverse of a group at this distance from its eigenvalues is large where these depend on each other.
+        let [by_one, by_other] = meeting.groups.map(|group| {
+            let others = 1..self.groups[group].eigenvalues().len();
+            others.fold(1.0, |factor, _| factor * (1.0 + spreads[group] / distance))
+        });
+        for (modes, factor) in [(of_one, by_other), (of_other, by_one)] {
+            for mode in &mut followed[modes] {
+                let error = SAFETY_OF_COUPLING * coupling * factor / distance;
+                mode.radius += error;
+                mode.radius_of_vectors += error;
+            }
         }
     }
 
@@ -287,8 +296,7 @@ fn meetings(groups: &[Group]) -> Vec<Meeting> {
         let [one, other] = pair.map(|group| groups[group].eigenvalues());
         let distances = one.iter().flat_map(|a| other.iter().map(move |b| (a - b).norm_sqr()));
         let near = NEAR * NEAR * distances.fold(f64::INFINITY, f64::min);
-        let is_of_several = one.len() > 1 || other.len() > 1;
-        Meeting { groups: pair, followed: pair.map(|group| places[group].clone()), near, is_of_several }
+        Meeting { groups: pair, followed: pair.map(|group| places[group].clone()), near }
     };
     pairs.map(meeting).collect()
 }
@@ -319,6 +327,8 @@ fn groups(modes: &[usize], all: &Changes, typical: &[f64]) -> Vec<Vec<usize>> {
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::{DMatrix, dvector};
+
     use super::*;
     use crate::models::matrices::trial::{Numbers, close_modes};
 
@@ -347,5 +357,45 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// A mode that drives one of two others, which depend on each other, and is driven by the other one.
+    #[test]
+    fn errors_hold_where_a_mode_acts_on_itself_through_a_group() {
+        let mut near = 0;
+        for seed in 0..100 {
+            let mut numbers = Numbers(seed);
+            (0..5).for_each(|_| _ = numbers.next());
+            let gap = 0.05 + 0.1 * (1.0 + numbers.next());
+            let of_group = gap * libm::pow(10.0, -2.5 + 0.5 * numbers.next());
+            let coupling = of_group * libm::pow(10.0, -1.5 + 0.5 * numbers.next());
+            let strength = gap * (0.2 + 0.1 * numbers.next());
+            let origin = 1.0 + 0.2 * gap;
+            let mut stiffness = DMatrix::from_diagonal(&dvector![0.0, 1.0 + gap, 1.0 + gap + of_group, 4.0]);
+            let mut growing = DMatrix::zeros(4, 4);
+            growing[(0, 0)] = 1.0;
+            let slopes = [strength / gap, 8.0 * of_group * of_group * gap / strength];
+            for ((i, j), slope) in [(1, 2), (2, 1)].into_iter().zip(slopes) {
+                (growing[(i, j)], stiffness[(i, j)]) = (slope, -slope * origin);
+            }
+            (stiffness[(2, 0)], stiffness[(0, 1)]) = (coupling, coupling);
+            let damping = DMatrix::from_diagonal(&dvector![1e-6, of_group, of_group, 0.1]);
+            let problem =
+                DenseQuadratic::new(&DMatrix::identity(4, 4), &[damping], &[stiffness, growing], &[1.0; 3]).unwrap();
+            let region = Region { lowest: 0.3, highest: 1.5, damping_ratio: 0.0 }.in_unit(problem.unit());
+            let series = ModeSeries::new(&problem, &[1.0, 1.0, origin], &[2], &[region], 1 << 24).unwrap();
+            for step in -60..=60 {
+                let part = f64::from(step) / 60.0;
+                let growth = 1.0 + gap + 0.5 * of_group + 5.0 * of_group * part;
+                let exact = problem.at(&[1.0, 1.0, growth]).eigenvalues().unwrap();
+                let off = |from| exact.iter().map(|value| magnitude(value - from)).fold(f64::INFINITY, f64::min);
+                for mode in series.eigenvalues(&Monomials::new(vec![growth - origin])).unwrap() {
+                    let off = off(mode.eigenvalue);
+                    assert!(off <= mode.radius + 1e-11, "{seed} {growth} {mode:?} off by {off}");
+                    near += usize::from(10.0 * off > mode.radius);
+                }
+            }
+        }
+        assert!(near > 100, "{near}");
     }
 }

@@ -271,6 +271,84 @@ fn a_narrow_window_far_from_the_origin_is_not_told_by_the_series() {
     }
 }
 
+/// Pairs that friction couples, each a group, and nothing with each other but by rounding: they cross within the scatter, and the series
+/// tells them all the same.
+#[test]
+fn groups_that_nothing_couples_are_told_by_the_series_where_they_cross() {
+    let size = 12;
+    let scale = |i: usize| 1.0 + 0.1 * (i / 2) as f64;
+    let own = |i: usize, j: usize| i / 2 == j / 2;
+    let of = |entry: &dyn Fn(usize, usize) -> f64| {
+        DMatrix::from_fn(size, size, |i, j| if own(i, j) { scale(i) * entry(i, j) } else { 0.0 })
+    };
+    let stiffness = [
+        of(&|i, j| if i == j { 2.0 } else { 1.0 }),
+        of(&|i, j| if i % 2 == 0 && j == i + 1 { -4.0 / 3.0 } else { 0.0 }),
+    ];
+    let damping = [DMatrix::identity(size, size) * 0.001];
+    let mass = DMatrix::identity(size, size);
+    let problem = DenseQuadratic::new(&mass, &damping, &stiffness, &[1.0, 1.0, 0.4]).unwrap();
+    let region = Region { lowest: 0.0, highest: f64::INFINITY, damping_ratio: 0.0 };
+    let series = ModeSeries::new(&problem, &[1.0, 1.0, 0.4], &[0, 2], &[region], 1 << 24);
+    let decider = Decider::new(&problem, std::slice::from_ref(&region), series.as_ref());
+    let mut ways = [0; 5];
+    let mut numbers = Numbers(3);
+    for _ in 0..500 {
+        let coefficients = [1.0 + 0.1 * numbers.normal(), 1.0, 0.4 * (1.0 + 0.1 * numbers.normal())];
+        let all = problem.at(&coefficients).eigenvalues().unwrap();
+        let (found, way) = decider.is_unstable(&coefficients).unwrap();
+        assert_eq!(found, all.iter().any(|value| region.contains(*value)), "{coefficients:?}");
+        ways[way as usize] += 1;
+    }
+    assert!(ways[Way::All as usize] < 50, "{ways:?}");
+}
+
+/// A mode that moves through two others, which changes couple with each other to a group. What couples it with them is little beside
+/// what couples each mode with its conjugate.
+#[test]
+fn a_group_and_a_mode_that_meets_it_are_decided_rightly() {
+    let mut ways = [0; 5];
+    let mut unstable = 0;
+    for seed in 0..100_u64 {
+        let mut numbers = Numbers(seed);
+        (0..5).for_each(|_| _ = numbers.next());
+        let gap = 0.05 + 0.1 * (1.0 + numbers.next());
+        let of_group = 0.05 * gap;
+        let coupling = of_group * libm::pow(10.0, -2.0 + numbers.next());
+        let origin = 1.0 + 0.2 * gap;
+        let mut stiffness = DMatrix::from_diagonal(&dvector![0.0, 1.0 + gap, 1.0 + gap + of_group, 4.0]);
+        let mut growing = DMatrix::zeros(4, 4);
+        growing[(0, 0)] = 1.0;
+        for (i, j) in [(1, 2), (2, 1)] {
+            (growing[(i, j)], stiffness[(i, j)]) = (3.0 * of_group, -3.0 * of_group * origin);
+        }
+        let ratio = 1.5 + numbers.next();
+        for mode in [1, 2] {
+            (stiffness[(0, mode)], stiffness[(mode, 0)]) = (coupling, -coupling * ratio);
+        }
+        // Where they meet they grow by half of their coupling.
+        let damping = DMatrix::identity(4, 4) * (0.7 * coupling * ratio.sqrt() + 1e-6);
+        let mass = DMatrix::identity(4, 4);
+        let problem = DenseQuadratic::new(&mass, &[damping], &[stiffness, growing], &[1.0; 3]).unwrap();
+        let region = Region { lowest: 0.0, highest: f64::INFINITY, damping_ratio: 0.0 };
+        let series = ModeSeries::new(&problem, &[1.0, 1.0, origin], &[2], &[region], 1 << 24);
+        let decider = Decider::new(&problem, std::slice::from_ref(&region), series.as_ref());
+        for step in -90..=90 {
+            let part = f64::from(step) / 60.0;
+            let centre = 1.0 + gap + if part < 0.0 { 0.0 } else { of_group };
+            let coefficients = [1.0, 1.0, centre + 3.0 * coupling * part + 0.1 * of_group * part * part * part];
+            let all = problem.at(&coefficients).eigenvalues().unwrap();
+            let is_edge = |value: &Eigenvalue| damping_ratio(*value).abs() < 1e-8;
+            let expected = all.iter().any(|value| region.contains(*value));
+            let (found, way) = decider.is_unstable(&coefficients).unwrap();
+            ways[way as usize] += 1;
+            unstable += usize::from(expected);
+            assert!(found == expected || all.iter().any(is_edge), "{seed} {coefficients:?} {way:?} {found}");
+        }
+    }
+    assert!(unstable > 500, "{unstable} {ways:?}");
+}
+
 /// A mode below the band is told by its vectors, whose eigenvalue is a little beyond the threshold where the exact one is
 /// not; the same mode in the upper half plane has to be refined.
 #[test]
