@@ -173,3 +173,12 @@ fn without_a_fall_there_is_no_range_and_without_damping_it_has_no_end() {
     assert_eq!(undamped.stick_slip, [SpeedRange { from: 0.0, to: f64::INFINITY }]);
     assert_eq!((undamped.end_of_stick_slip(), undamped.end_of_cycles()), (None, None));
 }
+
+/// Steady sliding lies 6 m from the unloaded spring, and the narrowest swings about it are a millionth of the whole.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
+fn narrow_swings_about_a_distant_equilibrium_are_resolved() {
+    let curve = on_curve(0.1, &[0.0, 0.5, 1.0, 1.5, 2.0, 3.0], &[0.6, 0.4, 0.5, 0.55, 0.3, 0.3]);
+    let found = ranges(&Oscillator { normal_force: 10.0, ..curve });
+    assert_eq!((found.stick_slip[0].from, found.unresolved), (0.0, Vec::new()));
+}

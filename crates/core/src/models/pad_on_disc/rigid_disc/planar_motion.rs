@@ -6,8 +6,8 @@
 //! x'' = G mu(v - x') - K x - C x',        x' < v
 //! ```
 //!
-//! Steps are those of Dormand and Prince's method, adaptive, with a local error of 1e-12 of the motion's own size. Ends
-//! of slip and turning points are located by bisection.
+//! Steps are those of Dormand and Prince's method, adaptive, with a local error of 1e-12 of the motion's own size, or of a
+//! rounding of x where that is larger. Ends of slip and turning points are located by bisection.
 //!
 //! Next to the disc's speed friction with a Stribeck exponent below 1 falls infinitely steeply, and the square root of the
 //! sliding speed takes the place of the speed ([`near_rest`](crate::models::pad_on_disc::rigid_disc::near_rest)).
@@ -204,6 +204,8 @@ impl PlanarMotion {
             law: &self.law,
             release: self.release(),
         };
+        // x itself is rounded: without this, steps about a distant equilibrium would be as short as their number allows.
+        let size = size.max(f64::EPSILON / tolerance * self.equilibrium().abs());
         let mut state = from;
         let mut slip = Slip { end: SlipEnd::Unresolved, duration: 0.0, x: from[0], smallest: from[0] };
         let mut h = 1e-3 / frequency;

@@ -238,9 +238,10 @@ impl PlanarMotion {
             SlipEnd::Captured if self.swing(size).end == SlipEnd::Captured => size,
             _ => return Fate::Unresolved,
         };
-        let (turns, _) = bisect((0.0, widest), 60, GRAZES, |a| self.swing(a).end != SlipEnd::Captured);
+        let turns = |a: f64| self.swing(a).end != SlipEnd::Captured;
         // About an unstable node the narrowest swings turn by rounding alone.
-        if turns > GRAZES * widest { self.fate_inside(turns) } else { Fate::Captured }
+        let narrow = GRAZES * widest;
+        if turns(narrow) { self.fate_inside(bisect((narrow, widest), 60, GRAZES, turns).0) } else { Fate::Captured }
     }
 
     /// The same for the swings up to this amplitude.
