@@ -149,6 +149,8 @@ fn what_is_asked_for_is_answered_by_the_merge() {
     };
 
     place.run(&format!("submit job.toml --out array --engine slurm --shards 2 {asked}")).done();
+    let incomplete = place.run(&format!("merge array {asked}"));
+    incomplete.refused(65, &[&format!("what is missing here with `stickslip resume array {asked}`")]);
     for task in [1, 2] {
         ended(&mut script(&place, "array", "shard", task)).done();
     }

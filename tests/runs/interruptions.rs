@@ -394,11 +394,11 @@ fn a_job_that_prepares_many_brakes_ends_while_it_prepares() {
     ));
     tried_until_met(|attempt| {
         let run = format!("run-{attempt}");
-        let mut running = Running::start(&place, &format!("submit job.toml --out {run}"));
+        let mut running = Running::start(&place, &format!("submit job.toml --out {run} --target 0.5"));
         running.wait_for("its job", || place.path(&run).join("job.toml").exists());
         running.work_for(Duration::from_millis(300));
         let said = running.stop("INT");
-        assert!(said.contains(&format!("continue with `stickslip resume {run}`")), "{said}");
+        assert!(said.contains(&format!("continue with `stickslip resume {run} --target 0.5`")), "{said}");
         // What it prepares is given up after two seconds, in which a busy machine may not come to its end.
         if said.contains("given up") { Err(said) } else { Ok(()) }
     });

@@ -1,8 +1,11 @@
 //! What the result of a run says first.
 
+use std::path::Path;
+
 use clap::Args;
 
 use super::values::{axis_value, probability};
+use crate::shell::quoted;
 
 /// The target and the operating point that are asked about, in place of those of the job.
 #[derive(Debug, Clone, Default, Args)]
@@ -21,5 +24,12 @@ impl AskedArguments {
     pub fn options(&self) -> impl Iterator<Item = String> {
         let target = self.target.map(|target| format!("--target={target}"));
         target.into_iter().chain(self.at.iter().map(|(axis, value)| format!("--at={axis}={value}")))
+    }
+
+    /// The end of a command that asks the same, for messages.
+    pub fn words(&self) -> String {
+        let target = self.target.map(|target| format!(" --target {target}"));
+        let at = |(axis, value): &(String, f64)| format!(" --at {}", quoted(Path::new(&format!("{axis}={value}"))));
+        target.into_iter().chain(self.at.iter().map(at)).collect()
     }
 }

@@ -8,6 +8,7 @@ use indicatif::HumanCount;
 
 use super::adoption::adopt;
 use super::limit::publish_limits;
+use crate::cli::AskedArguments;
 use crate::evaluate::evaluator::Evaluator;
 use crate::evaluate::integral::IntegratedCell;
 use crate::evaluate::maps::Maps;
@@ -67,6 +68,8 @@ pub struct Work<'a> {
     pub is_map_only: bool,
     /// The command, for the record of the session.
     pub command: &'a str,
+    /// What the result says first, in place of what the job asks.
+    pub asked: &'a AskedArguments,
 }
 
 /// Completes the run of a job in the directory `out`, whatever is there already.
@@ -77,7 +80,8 @@ pub fn complete_run(
     interrupt: &Interrupt,
 ) -> Result<FinishedRun, Failure> {
     let job = source.job()?;
-    let work = Work { threads, shard: None, maps: Vec::new(), is_map_only: false, command: "reproduce" };
+    let asked = &AskedArguments::default();
+    let work = Work { threads, shard: None, maps: Vec::new(), is_map_only: false, command: "reproduce", asked };
     let directory = RunDirectory::create(out, Access::Alone, AN_INSTANT)?;
     // A run that was extended has the samples of this job and more.
     if let Some(existing) = directory.job_source()?.map(|frozen| frozen.job()).transpose()?
@@ -92,15 +96,15 @@ pub fn complete_run(
 }
 
 /// What is said of an interrupted run.
-pub fn kept_and_continued(run: &Path, shard: Option<Shard>) -> Advice {
-    Advice::command("what is finished is kept; continue with", &how_to_go_on(run, shard))
+pub fn kept_and_continued(run: &Path, shard: Option<Shard>, asked: &AskedArguments) -> Advice {
+    Advice::command("what is finished is kept; continue with", &how_to_go_on(run, shard, asked))
 }
 
-/// The command that continues a run, or a shard of it.
-fn how_to_go_on(run: &Path, shard: Option<Shard>) -> String {
+/// The command that continues a run, or a shard of it, which answers no question.
+fn how_to_go_on(run: &Path, shard: Option<Shard>, asked: &AskedArguments) -> String {
     let run = quoted(run);
     match shard {
-        None => format!("stickslip resume {run}"),
+        None => format!("stickslip resume {run}{}", asked.words()),
         Some(shard) => format!("stickslip submit {run}/job.toml --out {run} --shard {shard}"),
     }
 }
@@ -120,8 +124,8 @@ pub fn compute(
     let mut session = Session::start(work.command, threads);
     let started = Instant::now();
     let before = tally.counted();
-    let how = how_to_go_on(directory.path(), shard);
-    interrupt.remark(kept_and_continued(directory.path(), shard));
+    let how = how_to_go_on(directory.path(), shard, work.asked);
+    interrupt.remark(kept_and_continued(directory.path(), shard, work.asked));
     let resumed = Advice::command(&format!("what is on disk already is kept; {FREE_SPACE}"), &how);
     let kept = |failure: Failure, directory: &RunDirectory| match directory.root().require_in_place() {
         Ok(()) => failure.with_advice(&resumed),
@@ -203,7 +207,7 @@ pub fn compute(
             session.lookups(surface.lookups());
             session.record(&run.directory, "finished", computed).map_err(|failure| kept(failure, &run.directory))?;
         }
-        let limits = publish_limits(&run.directory, &run.job, &engine, interrupt);
+        let limits = publish_limits(&run.directory, &run.job, &engine, interrupt, work.asked);
         run.limits = limits.map_err(|failure| kept(failure, &run.directory))?;
     }
     Ok(run)
@@ -218,6 +222,7 @@ pub fn complete_audits(
     job: &Job,
     engine: &Engine,
     interrupt: &Interrupt,
+    asked: &AskedArguments,
 ) -> Result<Option<Tally>, Failure> {
     if job.plain_samples() == 0 {
         return Ok(None);
@@ -226,7 +231,7 @@ pub fn complete_audits(
     let keep = directory.create_folder(AUDITS)?;
     match engine.audit(&Evaluator::new(job)?, &mut audits, Some(&keep), interrupt)? {
         Outcome::Finished => Ok(Some(audits)),
-        Outcome::Stopped(signal) => Err(Failure::stopped(signal, &kept_and_continued(directory.path(), None))),
+        Outcome::Stopped(signal) => Err(Failure::stopped(signal, &kept_and_continued(directory.path(), None, asked))),
     }
 }
 

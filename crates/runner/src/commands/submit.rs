@@ -43,7 +43,8 @@ pub fn submit(arguments: &SubmitArguments, interrupt: &Interrupt) -> Result<(), 
     let out = arguments.out.clone().unwrap_or_else(|| Path::new("runs").join(&job.name));
     let threads = arguments.threads.count();
     // From the moment that there is a run.
-    interrupt.remark_once_there(out.join(JOB), kept_and_continued(&out, shard));
+    let asked = &arguments.asked;
+    interrupt.remark_once_there(out.join(JOB), kept_and_continued(&out, shard, asked));
     let (directory, job, state) = match shard {
         Some(_) => adopt_as_shard(&out, &source, &job)?,
         None => {
@@ -62,7 +63,8 @@ pub fn submit(arguments: &SubmitArguments, interrupt: &Interrupt) -> Result<(), 
     };
     let out = directory.path().to_owned();
     let is_map_only = arguments.map_only;
-    let work = Work { threads, shard, maps, is_map_only, command: "submit" };
+    let work = Work { threads, shard, maps, is_map_only, command: "submit", asked };
+    let resume = format!("stickslip resume {}{}", quoted(&out), asked.words());
     let report = if arguments.json { report_as_json } else { report };
     if is_map_only {
         return map_only(&directory, &job, &work, interrupt);
@@ -71,29 +73,25 @@ pub fn submit(arguments: &SubmitArguments, interrupt: &Interrupt) -> Result<(), 
         RunState::Finished(tally) if shard.is_none() => {
             announce(Code::RunFinished, format_args!("{} is finished already; nothing to do", out.display()));
             // A lost or damaged surface is written again from the pieces.
-            let resume = format!("stickslip resume {}", quoted(&out));
             let resumed = Advice::command(&format!("all samples are kept; {FREE_SPACE}"), &resume);
             let kept = |failure: Failure| failure.with_advice(&resumed);
             let engine = Engine::new(threads)?;
-            let audits = complete_audits(&directory, &job, &engine, interrupt)?;
+            let audits = complete_audits(&directory, &job, &engine, interrupt, asked)?;
             let surface = Surface::new(&job, &tally).audited(audits.as_ref());
             if surface.publish(&directory).map_err(kept)? {
                 note(format_args!("{} was missing or differed; it is written again", directory.surface().display()));
             }
-            let limits = publish_limits(&directory, &job, &engine, interrupt).map_err(kept)?;
+            let limits = publish_limits(&directory, &job, &engine, interrupt, asked).map_err(kept)?;
             report(&directory, &job, &surface, limits.as_ref())
         }
-        RunState::Unfinished(tally) if shard.is_none() => {
-            let resume = format!("stickslip resume {}", quoted(&out));
-            Err(Failure::CannotCreate(format!(
-                "{} holds an unfinished run of this job ({} of {} samples); continue it with `{resume}`",
-                out.display(),
-                HumanCount128(tally.counted()),
-                HumanCount128(job.total_samples()),
-            ))
-            .coded(Code::RunUnfinished)
-            .remedied(resume))
-        }
+        RunState::Unfinished(tally) if shard.is_none() => Err(Failure::CannotCreate(format!(
+            "{} holds an unfinished run of this job ({} of {} samples); continue it with `{resume}`",
+            out.display(),
+            HumanCount128(tally.counted()),
+            HumanCount128(job.total_samples()),
+        ))
+        .coded(Code::RunUnfinished)
+        .remedied(resume)),
         RunState::Finished(tally) | RunState::Unfinished(tally) | RunState::New(tally) => {
             let run = compute(directory, job, tally, &work, interrupt)?;
             match shard {
@@ -123,7 +121,8 @@ pub fn resume(arguments: &ResumeArguments, interrupt: &Interrupt) -> Result<(), 
     }
     let maps = map_directories(&arguments.maps.maps, &job)?;
     let threads = arguments.threads.count();
-    let work = Work { threads, shard: None, maps, is_map_only: false, command: "resume" };
+    let asked = &arguments.asked;
+    let work = Work { threads, shard: None, maps, is_map_only: false, command: "resume", asked };
     let run = compute(directory, job, tally, &work, interrupt)?;
     report(&run.directory, &run.job, &run.surface(), run.limits.as_ref())
 }
@@ -179,7 +178,9 @@ pub fn merge(arguments: &MergeArguments, interrupt: &Interrupt) -> Result<(), Fa
     let directory = RunDirectory::open(&arguments.run, Access::Alone, patience.max(AN_INSTANT))?;
     let job = directory.job()?.asked(arguments.asked.target, &arguments.asked.at)?;
     let tally = directory.tally(&job)?;
-    let resume = format!("stickslip resume {}", quoted(&arguments.run));
+    let asked = &arguments.asked;
+    let again = |command: &str| format!("stickslip {command} {}{}", quoted(&arguments.run), asked.words());
+    let resume = again("resume");
     if !job.draws_samples() {
         let message = format!("{} has no shards; write the surface with `{resume}`", job.sampling.method.asked());
         return Err(Failure::Job(message).remedied(resume));
@@ -200,14 +201,13 @@ pub fn merge(arguments: &MergeArguments, interrupt: &Interrupt) -> Result<(), Fa
     directory.tidy()?;
     let session = Session::start("merge", 1);
     let engine = Engine::new(1)?;
-    let audits = complete_audits(&directory, &job, &engine, interrupt)?;
+    let audits = complete_audits(&directory, &job, &engine, interrupt, asked)?;
     let surface = Surface::new(&job, &tally).audited(audits.as_ref());
     let kept = |failure: Failure| {
-        let merge = format!("stickslip merge {}", quoted(&arguments.run));
-        failure.with_advice(&Advice::command(&format!("all samples are kept; {FREE_SPACE}"), &merge))
+        failure.with_advice(&Advice::command(&format!("all samples are kept; {FREE_SPACE}"), &again("merge")))
     };
     surface.publish(&directory).map_err(kept)?;
     session.record(&directory, "finished", 0).map_err(kept)?;
-    let limits = publish_limits(&directory, &job, &engine, interrupt).map_err(kept)?;
+    let limits = publish_limits(&directory, &job, &engine, interrupt, asked).map_err(kept)?;
     report(&directory, &job, &surface, limits.as_ref())
 }

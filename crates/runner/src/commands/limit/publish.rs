@@ -1,6 +1,7 @@
 //! `limits.parquet`, the limits of a run that its job asks for.
 
 use super::search::{Tiles, Wanted};
+use crate::cli::AskedArguments;
 use crate::failure::{Advice, Failure};
 use crate::files::table::encoded_table;
 use crate::interrupt::Interrupt;
@@ -19,6 +20,7 @@ pub fn publish_limits(
     job: &Job,
     engine: &Engine,
     interrupt: &Interrupt,
+    asked: &AskedArguments,
 ) -> Result<Option<RunLimits>, Failure> {
     let Some(request) = &job.limit else { return Ok(None) };
     let path = directory.path().join(LIMITS);
@@ -32,7 +34,7 @@ pub fn publish_limits(
                 _ => None,
             };
             let tiles = Tiles { known: maps.as_ref(), keep: maps.as_ref() };
-            let resume = format!("stickslip resume {}", quoted(directory.path()));
+            let resume = format!("stickslip resume {}{}", quoted(directory.path()), asked.words());
             let what_is_kept = "the surface is written, and what was found of the limits is kept; continue with";
             let stopped = Advice::command(what_is_kept, &resume);
             let searches = directory.searches_of(LIMIT_SEARCHES, wanted.searches_of())?;
