@@ -37,11 +37,13 @@ pub(super) fn limit_states(eigenvalues: &[Eigenvalue], regions: &[Region]) -> Ve
     // One that is left over is a motion that dampers alone hold: joined with itself, it is as damped as it can be, or grows.
     for (near, far) in real.iter().zip(real.iter().rev()).take(real.len().div_ceil(2)) {
         let size = (near * far).abs().sqrt();
-        let damping = match size > 0.0 {
-            _ if *near > ZERO || *far > ZERO => -1.0,
+        let damping = if *near > ZERO || *far > ZERO {
+            -1.0
+        } else if size > 0.0 {
             // Of two that do not grow it is 1 at least, but for rounding.
-            true => (-0.5 * (near + far) / size).max(1.0),
-            false => 1.0,
+            (-0.5 * (near + far) / size).max(1.0)
+        } else {
+            1.0
         };
         oscillators.push(Oscillator { size, damping, frequency: 0.0 });
     }

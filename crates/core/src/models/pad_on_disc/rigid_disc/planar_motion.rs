@@ -204,7 +204,7 @@ impl PlanarMotion {
             law: &self.law,
             release: self.release(),
         };
-        // x itself is rounded: without this, steps about a distant equilibrium would be as short as their number allows.
+        // Below the rounding of x no tolerance can be met: steps would shrink until their number ends them.
         let size = size.max(f64::EPSILON / tolerance * self.equilibrium().abs());
         let mut state = from;
         let mut slip = Slip { end: SlipEnd::Unresolved, duration: 0.0, x: from[0], smallest: from[0] };

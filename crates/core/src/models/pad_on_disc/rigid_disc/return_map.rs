@@ -239,7 +239,7 @@ impl PlanarMotion {
             _ => return Fate::Unresolved,
         };
         let turns = |a: f64| self.swing(a).end != SlipEnd::Captured;
-        // About an unstable node the narrowest swings turn by rounding alone.
+        // Narrower ones are not asked: about an unstable node they turn by rounding alone.
         let narrow = GRAZES * widest;
         if turns(narrow) { self.fate_inside(bisect((narrow, widest), 60, GRAZES, turns).0) } else { Fate::Captured }
     }
