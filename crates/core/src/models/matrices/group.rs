@@ -81,22 +81,22 @@ impl Group {
         &self.eigenvalues
     }
 
-    /// An upper estimate of the square of what couples the modes of this group with those of another, by the products of what their
-    /// vectors of first and of second order from both sides have of them. The others stand at these places among all that are followed.
+    /// An upper estimate of the product of both couplings of this group with another, from the norms of what its vectors of first and of
+    /// second order from either side have of the others. These stand at these places among all that are followed.
     pub(super) fn coupling(&self, other: &Self, places: Range<usize>, monomials: &Monomials) -> f64 {
         let followed = self.of_followed[0][0].width() / self.modes.len();
-        let mut sum = 0.0;
+        let mut squares = [0.0; 2];
         for (column, own) in self.eigenvalues.iter().enumerate() {
             for (place, value) in places.clone().zip(&other.eigenvalues) {
                 let entry = place + followed * column;
-                let share = |[first, second]: &[Polynomial; 2]| {
+                let shares = self.of_followed.each_ref().map(|[first, second]| {
                     magnitude(first.value(entry, &monomials.first)) + magnitude(second.value(entry, &monomials.second))
-                };
-                let [right, left] = self.of_followed.each_ref().map(share);
-                sum += right * left * (own - value).norm_sqr();
+                });
+                let distance = (own - value).norm_sqr();
+                squares.iter_mut().zip(shares).for_each(|(square, share)| *square += share * share * distance);
             }
         }
-        sum
+        squares.map(f64::sqrt).iter().product()
     }
 
     /// From the squared norms of the vectors of first and of second order, those from the right in the real parts: a bound of

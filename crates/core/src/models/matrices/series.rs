@@ -23,7 +23,9 @@
 //!
 //! Two groups that come near each other are a case of its own. What couples them may be little beside what couples each with
 //! all others, and is not seen in these norms; but where they meet it decides. With the coupling c of two modes and the
-//! distance g of their eigenvalues at the sample, these are off by some `c^2 / g`, and by no more than c.
+//! distance g of their eigenvalues at the sample, these are off by some `c^2 / g`, and by no more than c. Of groups of n modes c^2 is
+//! the product of the norms of both couplings, and what it does to P is larger by `(1 + 2 s / g)^(n - 1)` with the spread s of the
+//! other group.
 //!
 //! Modes far from the region are not followed; how far changes may go before one comes near is measured
 //! ([`far`](super::far)).
@@ -210,8 +212,8 @@ impl ModeSeries {
         Some(followed)
     }
 
-    /// Adds the error of P that the coupling of two groups makes where these are near each other. The eigenvalues of the groups spread
-    /// so far.
+    /// Adds the error of P that the coupling of two groups makes where these are near each other. `spreads` are the norms of the groups
+    /// less their mean eigenvalues.
     fn meet(&self, meeting: &Meeting, spreads: &[f64], monomials: &Monomials, followed: &mut [Followed]) {
         let [of_one, of_other] = meeting.followed.clone();
         let between = |i: usize| {
@@ -230,14 +232,14 @@ impl ModeSeries {
             return;
         }
         let distance = square.sqrt().max(coupling.sqrt());
-        // The inverse of a group at this distance from its eigenvalues is large where these depend on each other.
+        // The inverse of a group is the larger, the more its eigenvalues depend on each other (Henrici's bound).
         let [by_one, by_other] = meeting.groups.map(|group| {
             let others = 1..self.groups[group].eigenvalues().len();
-            others.fold(1.0, |factor, _| factor * (1.0 + spreads[group] / distance))
+            let inverse = others.fold(1.0 / distance, |inverse, _| inverse * (1.0 + 2.0 * spreads[group] / distance));
+            SAFETY_OF_COUPLING * coupling * inverse
         });
-        for (modes, factor) in [(of_one, by_other), (of_other, by_one)] {
+        for (modes, error) in [(of_one, by_other), (of_other, by_one)] {
             for mode in &mut followed[modes] {
-                let error = SAFETY_OF_COUPLING * coupling * factor / distance;
                 mode.radius += error;
                 mode.radius_of_vectors += error;
             }
@@ -369,7 +371,7 @@ mod tests {
             let gap = 0.05 + 0.1 * (1.0 + numbers.next());
             let of_group = gap * libm::pow(10.0, -2.5 + 0.5 * numbers.next());
             let coupling = of_group * libm::pow(10.0, -1.5 + 0.5 * numbers.next());
-            let strength = gap * (0.2 + 0.1 * numbers.next());
+            let strength = of_group * libm::pow(10.0, 1.0 + numbers.next());
             let origin = 1.0 + 0.2 * gap;
             let mut stiffness = DMatrix::from_diagonal(&dvector![0.0, 1.0 + gap, 1.0 + gap + of_group, 4.0]);
             let mut growing = DMatrix::zeros(4, 4);
@@ -379,7 +381,7 @@ mod tests {
                 (growing[(i, j)], stiffness[(i, j)]) = (slope, -slope * origin);
             }
             (stiffness[(2, 0)], stiffness[(0, 1)]) = (coupling, coupling);
-            let damping = DMatrix::from_diagonal(&dvector![1e-6, of_group, of_group, 0.1]);
+            let damping = DMatrix::from_diagonal(&dvector![1e-6, 0.3 * of_group, 0.3 * of_group, 0.1]);
             let problem =
                 DenseQuadratic::new(&DMatrix::identity(4, 4), &[damping], &[stiffness, growing], &[1.0; 3]).unwrap();
             let region = Region { lowest: 0.3, highest: 1.5, damping_ratio: 0.0 }.in_unit(problem.unit());

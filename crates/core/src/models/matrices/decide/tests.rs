@@ -271,11 +271,11 @@ fn a_narrow_window_far_from_the_origin_is_not_told_by_the_series() {
     }
 }
 
-/// Pairs that friction couples, each a group, and nothing with each other but by rounding: they cross within the scatter, and the series
-/// tells them all the same.
+/// Pairs that friction couples, each a group, and nothing with each other but by rounding: they cross within the scatter.
 #[test]
 fn groups_that_nothing_couples_are_told_by_the_series_where_they_cross() {
     let size = 12;
+    let friction = 0.7;
     let scale = |i: usize| 1.0 + 0.1 * (i / 2) as f64;
     let own = |i: usize, j: usize| i / 2 == j / 2;
     let of = |entry: &dyn Fn(usize, usize) -> f64| {
@@ -287,20 +287,20 @@ fn groups_that_nothing_couples_are_told_by_the_series_where_they_cross() {
     ];
     let damping = [DMatrix::identity(size, size) * 0.001];
     let mass = DMatrix::identity(size, size);
-    let problem = DenseQuadratic::new(&mass, &damping, &stiffness, &[1.0, 1.0, 0.4]).unwrap();
+    let problem = DenseQuadratic::new(&mass, &damping, &stiffness, &[1.0, 1.0, friction]).unwrap();
     let region = Region { lowest: 0.0, highest: f64::INFINITY, damping_ratio: 0.0 };
-    let series = ModeSeries::new(&problem, &[1.0, 1.0, 0.4], &[0, 2], &[region], 1 << 24);
+    let series = ModeSeries::new(&problem, &[1.0, 1.0, friction], &[2, 0], &[region], 1 << 24);
     let decider = Decider::new(&problem, std::slice::from_ref(&region), series.as_ref());
     let mut ways = [0; 5];
     let mut numbers = Numbers(3);
     for _ in 0..500 {
-        let coefficients = [1.0 + 0.1 * numbers.normal(), 1.0, 0.4 * (1.0 + 0.1 * numbers.normal())];
+        let coefficients = [1.0 + 0.1 * numbers.normal(), 1.0, friction * (1.0 + 0.1 * numbers.normal())];
         let all = problem.at(&coefficients).eigenvalues().unwrap();
         let (found, way) = decider.is_unstable(&coefficients).unwrap();
         assert_eq!(found, all.iter().any(|value| region.contains(*value)), "{coefficients:?}");
         ways[way as usize] += 1;
     }
-    assert!(ways[Way::All as usize] < 50, "{ways:?}");
+    assert!(ways[Way::Series as usize] > 450, "{ways:?}");
 }
 
 /// A mode that moves through two others, which changes couple with each other to a group. What couples it with them is little beside
@@ -323,8 +323,11 @@ fn a_group_and_a_mode_that_meets_it_are_decided_rightly() {
             (growing[(i, j)], stiffness[(i, j)]) = (3.0 * of_group, -3.0 * of_group * origin);
         }
         let ratio = 1.5 + numbers.next();
-        for mode in [1, 2] {
-            (stiffness[(0, mode)], stiffness[(mode, 0)]) = (coupling, -coupling * ratio);
+        // The mode acts on both and both on it, or one drives it and it drives the other.
+        let [drives, is_driven] = [[true, true], [true, false], [false, true]][seed as usize % 3];
+        for (mode, to, from) in [(1, drives, is_driven), (2, is_driven, drives)] {
+            stiffness[(mode, 0)] = if to { -coupling * ratio } else { 0.0 };
+            stiffness[(0, mode)] = if from { coupling } else { 0.0 };
         }
         // Where they meet they grow by half of their coupling.
         let damping = DMatrix::identity(4, 4) * (0.7 * coupling * ratio.sqrt() + 1e-6);
