@@ -32,6 +32,19 @@ fn compare(problems: std::ops::Range<u64>, samples: usize, scatter: f64) -> [usi
     ways
 }
 
+/// Whether all eigenvalues show a sample of a problem unstable, and how it was decided: as they show, unless one of them is at the
+/// threshold.
+#[track_caller]
+fn compared(decider: &Decider<'_>, seed: u64, coefficients: &[f64]) -> (bool, Way) {
+    let [region] = decider.regions else { panic!("one region") };
+    let all = decider.problem.at(coefficients).eigenvalues().unwrap();
+    let is_edge = |value: &Eigenvalue| (damping_ratio(*value) - region.damping_ratio).abs() < 1e-8;
+    let expected = all.iter().any(|value| region.contains(*value));
+    let (found, way) = decider.is_unstable(coefficients).unwrap();
+    assert!(found == expected || all.iter().any(is_edge), "{seed} {coefficients:?} {way:?} {found}");
+    (expected, way)
+}
+
 #[test]
 fn verdicts_are_those_of_all_eigenvalues() {
     for scatter in [0.01, 0.1, 0.4] {
@@ -190,11 +203,8 @@ fn modes_that_move_alike_are_decided_rightly() {
                     assert!(by_vectors <= pair.error + 1e-10, "{seed} {coefficients:?} {pair:?} off by {by_vectors}");
                 }
             }
-            let is_edge = |value: &Eigenvalue| (damping_ratio(*value) - threshold).abs() < 1e-8;
-            let expected = all.iter().any(|value| region.contains(*value));
-            let (unstable, way) = decider.is_unstable(&coefficients).unwrap();
+            let (_, way) = compared(&decider, seed, &coefficients);
             ways[way as usize] += 1;
-            assert!(unstable == expected || all.iter().any(is_edge), "{seed} {coefficients:?} {way:?} {unstable}");
         }
     }
     assert!(ways[Way::Series as usize] > 1000 && ways[Way::Vectors as usize] > 20, "{ways:?}");
@@ -230,13 +240,9 @@ fn modes_that_meet_far_from_the_origin_are_decided_rightly() {
             // Most of them in the window and beside it.
             let part = f64::from(step) / 60.0;
             let coefficients = [1.0, 1.0, 1.0 + gap + 3.0 * coupling * part + 0.2 * gap * part * part * part];
-            let all = problem.at(&coefficients).eigenvalues().unwrap();
-            let is_edge = |value: &Eigenvalue| damping_ratio(*value).abs() < 1e-8;
-            let expected = all.iter().any(|value| region.contains(*value));
-            let (found, way) = decider.is_unstable(&coefficients).unwrap();
+            let (expected, way) = compared(&decider, seed, &coefficients);
             ways[way as usize] += 1;
             unstable += usize::from(expected);
-            assert!(found == expected || all.iter().any(is_edge), "{seed} {coefficients:?} {way:?} {found}");
         }
         assert!(coupling == 0.0 || unstable > 10, "{seed}: {unstable}");
     }
@@ -340,13 +346,9 @@ fn a_group_and_a_mode_that_meets_it_are_decided_rightly() {
             let part = f64::from(step) / 60.0;
             let centre = 1.0 + gap + if part < 0.0 { 0.0 } else { of_group };
             let coefficients = [1.0, 1.0, centre + 3.0 * coupling * part + 0.1 * of_group * part * part * part];
-            let all = problem.at(&coefficients).eigenvalues().unwrap();
-            let is_edge = |value: &Eigenvalue| damping_ratio(*value).abs() < 1e-8;
-            let expected = all.iter().any(|value| region.contains(*value));
-            let (found, way) = decider.is_unstable(&coefficients).unwrap();
+            let (expected, way) = compared(&decider, seed, &coefficients);
             ways[way as usize] += 1;
             unstable += usize::from(expected);
-            assert!(found == expected || all.iter().any(is_edge), "{seed} {coefficients:?} {way:?} {found}");
         }
     }
     assert!(unstable > 500, "{unstable} {ways:?}");
