@@ -26,7 +26,12 @@ impl AskedArguments {
         target.into_iter().chain(self.at.iter().map(|(axis, value)| format!("--at={axis}={value}")))
     }
 
-    /// The end of a command that asks the same, for messages.
+    /// The command that goes on with a run and asks the same, for messages.
+    pub fn resume(&self, run: &Path) -> String {
+        format!("stickslip resume {}{}", quoted(run), self.words())
+    }
+
+    /// The end of a command that asks the same.
     pub fn words(&self) -> String {
         let target = self.target.map(|target| format!(" --target {target}"));
         let at = |(axis, value): &(String, f64)| format!(" --at {}", quoted(Path::new(&format!("{axis}={value}"))));

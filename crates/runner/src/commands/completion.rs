@@ -102,11 +102,9 @@ pub fn kept_and_continued(run: &Path, shard: Option<Shard>, asked: &AskedArgumen
 
 /// The command that continues a run, or a shard of it, which answers no question.
 fn how_to_go_on(run: &Path, shard: Option<Shard>, asked: &AskedArguments) -> String {
+    let Some(shard) = shard else { return asked.resume(run) };
     let run = quoted(run);
-    match shard {
-        None => format!("stickslip resume {run}{}", asked.words()),
-        Some(shard) => format!("stickslip submit {run}/job.toml --out {run} --shard {shard}"),
-    }
+    format!("stickslip submit {run}/job.toml --out {run} --shard {shard}")
 }
 
 /// Computes what is missing; without a shard, writes the surface.

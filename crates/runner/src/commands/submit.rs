@@ -64,7 +64,7 @@ pub fn submit(arguments: &SubmitArguments, interrupt: &Interrupt) -> Result<(), 
     let out = directory.path().to_owned();
     let is_map_only = arguments.map_only;
     let work = Work { threads, shard, maps, is_map_only, command: "submit", asked };
-    let resume = format!("stickslip resume {}{}", quoted(&out), asked.words());
+    let resume = asked.resume(&out);
     let report = if arguments.json { report_as_json } else { report };
     if is_map_only {
         return map_only(&directory, &job, &work, interrupt);
@@ -179,8 +179,7 @@ pub fn merge(arguments: &MergeArguments, interrupt: &Interrupt) -> Result<(), Fa
     let job = directory.job()?.asked(arguments.asked.target, &arguments.asked.at)?;
     let tally = directory.tally(&job)?;
     let asked = &arguments.asked;
-    let again = |command: &str| format!("stickslip {command} {}{}", quoted(&arguments.run), asked.words());
-    let resume = again("resume");
+    let resume = asked.resume(&arguments.run);
     if !job.draws_samples() {
         let message = format!("{} has no shards; write the surface with `{resume}`", job.sampling.method.asked());
         return Err(Failure::Job(message).remedied(resume));
@@ -204,7 +203,8 @@ pub fn merge(arguments: &MergeArguments, interrupt: &Interrupt) -> Result<(), Fa
     let audits = complete_audits(&directory, &job, &engine, interrupt, asked)?;
     let surface = Surface::new(&job, &tally).audited(audits.as_ref());
     let kept = |failure: Failure| {
-        failure.with_advice(&Advice::command(&format!("all samples are kept; {FREE_SPACE}"), &again("merge")))
+        let merge = format!("stickslip merge {}{}", quoted(&arguments.run), asked.words());
+        failure.with_advice(&Advice::command(&format!("all samples are kept; {FREE_SPACE}"), &merge))
     };
     surface.publish(&directory).map_err(kept)?;
     session.record(&directory, "finished", 0).map_err(kept)?;

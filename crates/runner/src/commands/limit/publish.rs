@@ -6,7 +6,7 @@ use crate::failure::{Advice, Failure};
 use crate::files::table::encoded_table;
 use crate::interrupt::Interrupt;
 use crate::job::{Job, JobSource, LimitAxis, LimitMethod, LimitRequest};
-use crate::output::{quoted, shown};
+use crate::output::shown;
 use crate::picture::view::rounded;
 use crate::schedule::engine::Engine;
 use crate::store::directory::RunDirectory;
@@ -34,7 +34,7 @@ pub fn publish_limits(
                 _ => None,
             };
             let tiles = Tiles { known: maps.as_ref(), keep: maps.as_ref() };
-            let resume = format!("stickslip resume {}{}", quoted(directory.path()), asked.words());
+            let resume = asked.resume(directory.path());
             let what_is_kept = "the surface is written, and what was found of the limits is kept; continue with";
             let stopped = Advice::command(what_is_kept, &resume);
             let searches = directory.searches_of(LIMIT_SEARCHES, wanted.searches_of())?;
