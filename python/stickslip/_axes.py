@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from statistics import NormalDist
 from typing import TYPE_CHECKING, Any
 
 from ._grid import COLUMNS, lengths
@@ -67,7 +68,9 @@ def draw_surface(
     grids = [values.reshape(shape) for values in (across, up, probability)]
     filled = ax.contourf(*grids, levels=LEVELS)
     if target is not None:
-        ax.contour(*grids, levels=[target], colors="white")
+        # Between the values, as the program does: probabilities are interpolated by their normal deviates.
+        deviate = numpy.vectorize(lambda p: NormalDist().inv_cdf(min(max(p, 1e-12), 1.0 - 1e-12)), otypes=[float])
+        ax.contour(across.reshape(shape), up.reshape(shape), deviate(grids[2]), levels=deviate([target]), colors="white")
     ax.set(ylabel=label(shown[0]))
     return filled
 

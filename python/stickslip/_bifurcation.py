@@ -23,6 +23,16 @@ _TAKEN = [
     ("stick_fraction", ("limit_cycle", "stick_fraction"), "share of the period in stick"),
 ]
 
+#: Units and meanings of the parameters that are mostly followed; others are in SI units.
+_FOLLOWED = {
+    "rotating_speed": ("rad/s", "rotating speed of the disc"),
+    "belt_speed": ("m/s", "speed of the belt"),
+    "normal_force": ("N", "normal force"),
+    "preload": ("1", "displacement of the calliper over disc thickness"),
+    "static_friction": ("1", "static friction coefficient"),
+    "static_coefficient": ("1", "static friction coefficient"),
+}
+
 
 @overload
 def bifurcation(
@@ -96,6 +106,7 @@ def bifurcation(
     units = {"x": length, "x_min": length, "x_max": length, "period": time, "stick_fraction": "1"}
     taken = [[(answer[part] or {}).get(key) for answer in answers] for _, (part, key), _ in _TAKEN]
     fields = [field(name, units[name], meaning, pyarrow.float64()) for name, _, meaning in _TAKEN]
+    unit, meaning = _FOLLOWED.get(along, ("SI", along))
     table = pyarrow.Table.from_arrays(
         [
             pyarrow.array(values, pyarrow.float64()),
@@ -104,7 +115,7 @@ def bifurcation(
         ],
         schema=pyarrow.schema(
             [
-                pyarrow.field(along, pyarrow.float64()),
+                field(along, unit, meaning, pyarrow.float64()),
                 field("stable", "1", "whether steady sliding is stable", pyarrow.bool_()),
                 *fields,
             ]

@@ -56,11 +56,17 @@ fn without_a_cell_it_is_the_middle_of_the_axes_and_says_so() {
     let place = place();
     let outcome = place.run("analyse --json --job job.toml");
     assert!(
-        outcome.stderr.contains("cell 9 of 0 to 47 of the job \"job\", the middle of its axes"),
+        outcome.stderr.contains("cell 9 of 0 to 47 of the job \"job\", the middle of the axes"),
         "{}",
         outcome.stderr
     );
     assert_eq!(point(&json(outcome)), [12.0, 0.1, 0.4]);
+    // Its operating point comes before the middle.
+    let point_of_job = "[target]\nprobability = 0.1\nat = { rotating_speed = 20, preload = 0.2, static_friction = 0.3, \"start.velocity\" = 0.1 }\n";
+    place.write("asked.toml", &format!("{JOB}{point_of_job}"));
+    let outcome = place.run("analyse --json --job asked.toml");
+    assert!(outcome.stderr.contains("of the job \"job\", the operating point; choose"), "{}", outcome.stderr);
+    assert_eq!(point(&json(outcome)), [20.0, 0.2, 0.3]);
     // A job of one cell has no other.
     place.write("one.toml", "name = \"one\"\n[axes]\npreload = 0.2\n[criterion]\nkind = \"eigenvalue\"\n");
     let outcome = place.run("analyse --json --job one.toml").done();

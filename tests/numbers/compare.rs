@@ -317,7 +317,8 @@ fn exchange_verdicts(piece: &Path) {
 
 #[test]
 fn verdicts_that_are_not_those_counted_are_not_paired() {
-    let place = runs(15.0, &[("a", EIGENVALUE, "samples = 20_000"), ("b", RIGID, "samples = 20_000")]);
+    let looked_up = "samples = 20_000\nevaluate = \"boundary\"\naudit = 0";
+    let place = runs(15.0, &[("a", EIGENVALUE, "samples = 20_000"), ("b", RIGID, looked_up)]);
     place.run("compare runs/a runs/b").done();
     // A verdict map with the opposite verdicts and a valid checksum.
     let pieces: Vec<_> = fs::read_dir(place.path("runs/b/map")).unwrap().map(|entry| entry.unwrap().path()).collect();
@@ -330,9 +331,9 @@ fn verdicts_that_are_not_those_counted_are_not_paired() {
     assert_eq!(table.column("p_second"), counted.column("p_unstable"));
 }
 
-/// Few samples are decided again one by one, as a map would take more simulations.
+/// Samples are decided again as the runs decided them.
 #[test]
-fn few_samples_are_compared_without_a_map() {
+fn runs_without_a_map_are_compared_without_one() {
     let place = runs(15.0, &[("a", EIGENVALUE, "samples = 100"), ("b", RIGID, "samples = 100")]);
     place.run("compare runs/a runs/b").done();
     assert!(!place.path("runs/b/map").exists());

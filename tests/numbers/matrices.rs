@@ -56,6 +56,37 @@ fn two_masses_flutter_as_their_formula_says() {
     assert!((p / expected - 1.0).abs() < 0.05, "{p:e} {expected:e}");
 }
 
+/// A stiffness of the wrong sign lets a motion go away without swinging, and a pair may flutter below the band: no verdict
+/// counts them.
+#[test]
+fn a_brake_that_is_unstable_outside_of_its_band_is_said_to_be() {
+    let place = Place::new();
+    let said = |stiffness: &str, friction: f64, band: &str| {
+        let rest = format!("[axes]\nfriction = [{friction}]\n{SCATTER}{CRITERION}frequency = {band}\n");
+        let model = two_masses("damping = { matrix = [[0.01, 0], [0, 0.01]] }", &rest);
+        let model =
+            model.replace("[[2, 1], [1, 2]]", stiffness).replace("friction = 0.7", &format!("friction = {friction}"));
+        place.write("two.toml", &model);
+        place.run("check two.toml").done().stderr
+    };
+    // With little friction K has nearly the eigenvalues of [[-2, 1], [1, 2]], whose square is 5: one motion grows, and the
+    // other swings with 0.238 Hz.
+    let divergence = said("[[-2, 1], [1, 2]]", 0.01, "[0.1, 1.0]");
+    let words =
+        "a motion of the expected brake is unstable outside of the band, at 0 Hz (0 Hz: it goes away without swinging)";
+    assert!(divergence.contains(words), "{divergence}");
+    // Above its critical friction a pair flutters: lambda^2 = -2 +- i 0.2^(1/2) but for the damping, which is 0.2265 Hz.
+    let flutter = said("[[2, 1], [1, 2]]", 0.9, "[0.3, 1.0]");
+    assert!(
+        flutter.contains("a motion of the expected brake is unstable outside of the band, at 0.2265 Hz"),
+        "{flutter}"
+    );
+    for (friction, band) in [(0.9, "[0.1, 1.0]"), (0.5, "[0.3, 1.0]")] {
+        let quiet = said("[[2, 1], [1, 2]]", friction, band);
+        assert!(!quiet.contains("unstable outside"), "{quiet}");
+    }
+}
+
 /// Hulten's brake as Sinou and Jezequel (2007) have it flutters above 0.2893671 with damping of 2 %.
 #[test]
 fn a_drum_brake_has_its_published_critical_friction() {

@@ -543,6 +543,10 @@ fn a_plot_shows_chosen_values_a_target_and_a_title() {
     assert!(drawn("one --target 0.03").contains(">P = 0.03<"));
     submitted(&place, "aimed", &format!("{}[target]\nprobability = 0.07\n", job("aimed", PLANE, 300)));
     assert!(drawn("aimed").contains(">P = 0.07<") && drawn("aimed --target 0.03").contains(">P = 0.03<"));
+    // Over one axis too, where the axis of probabilities reaches it.
+    assert!(!curves.contains(">P = "));
+    let aimed = drawn("three --at preload=0.1 --target 0.03");
+    assert!(aimed.contains(">P = 0.03<"), "{aimed}");
     let titled = drawn("one --title Mine");
     assert!(titled.contains(">Mine<") && !titled.contains("15 rad/s"));
     // The difference of two runs, too.

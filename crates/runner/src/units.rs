@@ -86,16 +86,32 @@ pub fn number_with_unit(text: &str) -> Option<String> {
     Some(format!("{text} has a unit; write the number alone, in the unit of the parameter{same}"))
 }
 
+/// What is wrong with a number with a comma, and what to write.
+pub fn with_comma(number: &str) -> String {
+    let decimal = number.replacen(',', ".", 1);
+    let (whole, groups) = number.split_once(',').unwrap_or((number, ""));
+    let has_thousands = (1..=3).contains(&whole.len()) && !whole.starts_with('0') && groups.len() == 3;
+    if has_thousands {
+        format!(
+            "{number} has a comma; write {whole}{groups} if it parts thousands, and {decimal} if it is a decimal comma"
+        )
+    } else {
+        format!("{number} has a decimal comma; write {decimal}")
+    }
+}
+
 /// What is wrong with a text that should be a number and cannot be read as one.
 pub fn not_a_number(text: &str) -> String {
     if text.is_empty() {
         return "there is no number; write one, for example 0.4".to_owned();
     }
     let otherwise = [
-        ("a decimal comma", text.replacen(',', ".", 1)),
         ("a dash that is no minus sign", text.replace(['−', '–', '—'], "-")),
         ("an underscore", text.replace('_', "")),
     ];
+    if text.replacen(',', ".", 1).parse::<f64>().is_ok() {
+        return with_comma(text);
+    }
     if let Some((what, right)) = otherwise.iter().find(|(_, right)| right.parse::<f64>().is_ok()) {
         return format!("{text} has {what}; write {right}");
     }
@@ -143,6 +159,8 @@ mod tests {
         for (text, said) in [
             ("", "there is no number; write one, for example 0.4"),
             ("0,4", "0,4 has a decimal comma; write 0.4"),
+            ("0,125", "0,125 has a decimal comma; write 0.125"),
+            ("20,000", "20,000 has a comma; write 20000 if it parts thousands, and 20.000 if it is a decimal comma"),
             ("−0.4", "−0.4 has a dash that is no minus sign; write -0.4"),
             ("1_000.5", "1_000.5 has an underscore; write 1000.5"),
             ("7 %", "7 % is in per cent; write 0.07"),

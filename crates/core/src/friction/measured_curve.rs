@@ -126,8 +126,8 @@ pub struct Smoothing {
 /// A friction curve as measured: coefficients, and perhaps their standard deviations, at some sliding speeds.
 ///
 /// Between the rows it is interpolated by piecewise cubics that are monotone where the rows are (Fritsch and Carlson's
-/// method with the slopes of Fritsch and Butland, SciPy's `PchipInterpolator`). Below the first and beyond the last
-/// speed it is constant, and its slope is continuous everywhere.
+/// method with the slopes of Fritsch and Butland, SciPy's `PchipInterpolator`), and those of a smoothed curve have the
+/// slopes of the spline. Below the first and beyond the last speed it is constant, and its slope is continuous everywhere.
 ///
 /// ```
 /// use stickslip_core::friction::measured_curve::MeasuredCurve;
@@ -145,6 +145,8 @@ pub struct MeasuredCurve {
     smoothing: Option<Smoothing>,
     /// T / T(0).
     shape: Cubics,
+    /// A lower bound of it.
+    least: f64,
     /// S.
     deviation: Cubics,
     index: SpeedIndex,
@@ -156,30 +158,45 @@ impl MeasuredCurve {
     /// # Errors
     /// [`CurveError`] with the first thing that is wrong.
     pub fn new(speeds: &[f64], coefficients: &[f64], deviations: Option<&[f64]>) -> Result<Self, CurveError> {
-        let rows = speeds.len();
         check_columns(speeds, coefficients, deviations)?;
+        Self::through(speeds, coefficients, deviations, |shape| slopes_of_rows(speeds, shape))
+    }
+
+    /// A curve of which `slopes` makes the slopes of `T / T(0)` at the rows from its values there.
+    fn through(
+        speeds: &[f64],
+        coefficients: &[f64],
+        deviations: Option<&[f64]>,
+        slopes: impl FnOnce(&[f64]) -> Vec<f64>,
+    ) -> Result<Self, CurveError> {
         let at_rest = coefficients[0];
         if at_rest == 0.0 {
             return Err(CurveError::NothingAtRest);
         }
         let shape: Vec<f64> = coefficients.iter().map(|value| value / at_rest).collect();
-        let zero = vec![0.0; rows];
+        let shape = Cubics::new(speeds, &shape, &slopes(&shape));
+        let zero = vec![0.0; speeds.len()];
+        let deviation = deviations.unwrap_or(&zero);
         Ok(Self {
             speeds: speeds.to_vec(),
             coefficients: coefficients.to_vec(),
             deviations: deviations.map(<[f64]>::to_vec),
             smoothing: None,
-            shape: Cubics::new(speeds, &shape),
-            deviation: Cubics::new(speeds, deviations.unwrap_or(&zero)),
+            least: shape.lower_bound(speeds),
+            shape,
+            deviation: Cubics::new(speeds, deviation, &slopes_of_rows(speeds, deviation)),
             index: SpeedIndex::new(speeds),
         })
     }
 
     /// The same through rows that are smoothed first, so that their noise makes no slopes.
     ///
-    /// The coefficients become those of a cubic smoothing spline over the root of the speed, on which friction bends about
-    /// as much near rest as far from it. How smooth it is follows from the rows by generalised cross-validation. The
-    /// standard deviations are smoothed as much. What is below 0 then becomes 0.
+    /// The coefficients and their slopes become those of a cubic smoothing spline over the root of the speed, on which
+    /// friction bends about as much near rest as far from it. How smooth it is follows from the rows by generalised
+    /// cross-validation. The standard deviations are smoothed as much. What is below 0 then becomes 0.
+    ///
+    /// Cubics of the speed with these values and slopes differ from the spline by less than its distance from the rows,
+    /// but for the speeds below the second row: at rest the slope of the spline is infinite.
     ///
     /// ```
     /// use stickslip_core::friction::measured_curve::MeasuredCurve;
@@ -201,12 +218,18 @@ impl MeasuredCurve {
         let roots: Vec<f64> = speeds.iter().map(|speed| speed.sqrt()).collect();
         let spline = SmoothingSpline::new(&roots);
         let softness = spline.best_softness(coefficients);
-        let smooth = |values: &[f64]| -> Vec<f64> {
-            let smoothed = spline.smoothed(values, softness).into_iter();
-            smoothed.map(|value| value.clamp(0.0, LARGEST_COEFFICIENT)).collect()
+        let admissible = |values: Vec<f64>| -> Vec<f64> {
+            values.into_iter().map(|value| value.clamp(0.0, LARGEST_COEFFICIENT)).collect()
         };
-        let fitted = smooth(coefficients);
-        let curve = Self::new(speeds, &fitted, deviations.map(smooth).as_deref())?;
+        let (fitted, slopes) = spline.smoothed(coefficients, softness);
+        let fitted = admissible(fitted);
+        let deviations_of_curve = deviations.map(|values| admissible(spline.smoothed(values, softness).0));
+        // By the chain rule, from slopes over the root of the speed.
+        let slope = |(slope, root): (&f64, &f64)| slope / (2.0 * root * fitted[0]);
+        let wanted: Vec<f64> = slopes.iter().zip(&roots).map(slope).collect();
+        let curve = Self::through(speeds, &fitted, deviations_of_curve.as_deref(), |shape| {
+            limited_slopes(speeds, shape, &wanted)
+        })?;
         let differences = coefficients.iter().zip(&fitted).map(|(measured, fitted)| measured - fitted);
         let squares = differences.map(|difference| difference * difference);
         let smoothing = Smoothing {
@@ -315,9 +338,8 @@ impl MeasuredCurve {
 
     /// A lower bound of the curve with this value at rest and this shift, at all speeds.
     pub(crate) fn lower_bound(&self, at_rest: f64, shift: f64) -> f64 {
-        let least = self.coefficients.iter().copied().fold(f64::INFINITY, f64::min) / self.at_rest();
         let largest = self.deviations.iter().flatten().copied().fold(0.0, f64::max);
-        at_rest * least + shift.min(0.0) * largest
+        at_rest * self.least + shift.min(0.0) * largest
     }
 
     /// The first of [`MeasuredCurve::values`]; without standard deviations the second is 0.
@@ -464,6 +486,25 @@ fn check_columns(speeds: &[f64], coefficients: &[f64], deviations: Option<&[f64]
     Ok(())
 }
 
+/// The slopes of a monotone curve through these values at the speeds of the rows.
+fn slopes_of_rows(speeds: &[f64], values: &[f64]) -> Vec<f64> {
+    monotone_slopes(speeds, values, speeds[0] > 0.0, true)
+}
+
+/// The wanted slopes where the curve is not constant on one side, and up to three times the steeper of the secants beside
+/// them: between rows that rise, or fall, a curve with steeper ones could leave the range of their values.
+fn limited_slopes(speeds: &[f64], values: &[f64], wanted: &[f64]) -> Vec<f64> {
+    let last = speeds.len() - 1;
+    let secant = |i: usize| (values[i + 1] - values[i]) / (speeds[i + 1] - speeds[i]);
+    let limited = |i: usize| {
+        let steepest = secant(i).abs().max(secant(i - 1).abs());
+        wanted[i].clamp(-3.0 * steepest, 3.0 * steepest)
+    };
+    // At rest the slope is as infinite as that of a root.
+    let first = if speeds[0] > 0.0 { 0.0 } else { 3.0 * secant(0) };
+    std::iter::once(first).chain((1..last).map(limited)).chain([0.0]).collect()
+}
+
 /// Piecewise cubics over the speeds of a curve, each in powers of the speed above its own beginning. Behind the last
 /// row comes a constant.
 #[derive(Debug, PartialEq)]
@@ -474,10 +515,10 @@ struct Cubics {
 }
 
 impl Cubics {
-    fn new(x: &[f64], y: &[f64]) -> Self {
+    /// Through the values `y` with these slopes.
+    fn new(x: &[f64], y: &[f64], slopes: &[f64]) -> Self {
         let empty = || Box::new([0.0; PLACES]);
         let mut coefficients = [empty(), empty(), empty(), empty()];
-        let slopes = monotone_slopes(x, y, x[0] > 0.0, true);
         let last = x.len() - 1;
         for i in 0..last {
             let width = x[i + 1] - x[i];
@@ -497,6 +538,16 @@ impl Cubics {
             cubics.bend[i] = window.iter().fold(0.0, |most, own| own.1.max(most));
         }
         cubics
+    }
+
+    /// A lower bound of the values: no cubic lies below the least of its Bezier points.
+    fn lower_bound(&self, x: &[f64]) -> f64 {
+        let [start, slope, square, _] = &self.coefficients;
+        let inner = x.windows(2).enumerate().flat_map(|(i, pair)| {
+            let third = (pair[1] - pair[0]) / 3.0;
+            [start[i], start[i] + third * slope[i], start[i] + third * (2.0 * slope[i] + 3.0 * third * square[i])]
+        });
+        inner.chain([start[x.len() - 1]]).fold(f64::INFINITY, f64::min)
     }
 
     /// The steepest slope in an interval, and the variation of its second derivative with the jumps at its ends.

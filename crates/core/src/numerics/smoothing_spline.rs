@@ -1,11 +1,13 @@
 //! Cubic smoothing splines: the curve that is near noisy points and yet bends little (Reinsch 1967).
 //!
-//! Of all curves g it minimises `sum (y_i - g(x_i))^2 + lambda integral g''^2 dx`. Here only its values at the knots are
-//! wanted. With the second differences Q of the values and the Gram matrix R of the second derivatives they are
+//! Of all curves g it minimises `sum (y_i - g(x_i))^2 + lambda integral g''^2 dx`. With the second differences Q of the
+//! values and the Gram matrix R of the second derivatives its values at the knots are
 //!
 //! ```text
 //! g = y - Q u,      (R / lambda + Q^T Q) u = Q^T y
 //! ```
+//!
+//! and its second derivatives there `u / lambda`; it is straight beyond the first and the last knot.
 //!
 //! The matrix has five diagonals, so a curve takes a time that grows like the number of its knots. `1 / lambda` is called
 //! the softness: without it the curve is the straight line of least squares, and with much of it the points themselves.
@@ -36,6 +38,9 @@ const LEAST_GAP: f64 = 1e-6;
 
 /// The matrices of some knots. Of the symmetric ones each row has its diagonal and what follows.
 pub(crate) struct SmoothingSpline {
+    /// Distance of the first and the last knot; that of neighbours over it.
+    range: f64,
+    gaps: Vec<f64>,
     /// Q: of each inner knot the weights of the knots before, at and after it.
     differences: Vec<[f64; 3]>,
     /// R.
@@ -71,7 +76,7 @@ impl SmoothingSpline {
         });
         let penalty = penalty.collect();
         let least = gaps.iter().copied().fold(1.0, f64::min);
-        Self { differences, gram, penalty, last_softness: LAST / (least * least * least) }
+        Self { range, gaps, differences, gram, penalty, last_softness: LAST / (least * least * least) }
     }
 
     /// The softness with the least score for these values at the knots.
@@ -86,7 +91,8 @@ impl SmoothingSpline {
             if left <= 0.0 {
                 break;
             }
-            let squares: f64 = self.residuals(&factor, values).iter().map(|residual| residual * residual).sum();
+            let residuals = self.residuals(&self.solution(&factor, values));
+            let squares: f64 = residuals.iter().map(|residual| residual * residual).sum();
             let score = squares / (left * left);
             if score < best.0 {
                 best = (score, softness);
@@ -96,10 +102,22 @@ impl SmoothingSpline {
         best.1
     }
 
-    /// The values of the curve at the knots.
-    pub fn smoothed(&self, values: &[f64], softness: f64) -> Vec<f64> {
-        let residuals = self.residuals(&self.factor(softness), values);
-        values.iter().zip(residuals).map(|(value, residual)| value - residual).collect()
+    /// The values of the curve at the knots, and its slopes.
+    pub fn smoothed(&self, values: &[f64], softness: f64) -> (Vec<f64>, Vec<f64>) {
+        let solution = self.solution(&self.factor(softness), values);
+        let residuals = self.residuals(&solution);
+        let smoothed: Vec<f64> = values.iter().zip(residuals).map(|(value, residual)| value - residual).collect();
+        // Of the second derivative, at all knots.
+        let bends: Vec<f64> = std::iter::once(0.0).chain(solution.iter().map(|u| softness * u)).chain([0.0]).collect();
+        let last = self.gaps.len();
+        let slope = |knot: usize| {
+            let (from, sign) = if knot < last { (knot, -1.0) } else { (knot - 1, 1.0) };
+            let far = if knot < last { knot + 1 } else { from };
+            let secant = (smoothed[from + 1] - smoothed[from]) / self.gaps[from];
+            (secant + sign * self.gaps[from] * (2.0 * bends[knot] + bends[far]) / 6.0) / self.range
+        };
+        let slopes = (0..=last).map(slope).collect();
+        (smoothed, slopes)
     }
 
     /// The number of free parameters of a curve with a softness: 2 of a straight line, that of the knots of the points.
@@ -107,12 +125,17 @@ impl SmoothingSpline {
         (self.differences.len() + 2) as f64 - self.factor(softness).trace(&self.penalty)
     }
 
-    /// Q u.
-    fn residuals(&self, factor: &Factor, values: &[f64]) -> Vec<f64> {
+    /// u.
+    fn solution(&self, factor: &Factor, values: &[f64]) -> Vec<f64> {
         let weighted = |(weights, at): (&[f64; 3], &[f64])| weights.iter().zip(at).map(|(w, y)| w * y).sum::<f64>();
         let mut solution: Vec<f64> = self.differences.iter().zip(values.windows(3)).map(weighted).collect();
         factor.solve(&mut solution);
-        let mut residuals = vec![0.0; values.len()];
+        solution
+    }
+
+    /// Q u: by how much the values exceed the curve.
+    fn residuals(&self, solution: &[f64]) -> Vec<f64> {
+        let mut residuals = vec![0.0; self.gaps.len() + 1];
         for (i, (weights, u)) in self.differences.iter().zip(solution).enumerate() {
             for (residual, weight) in residuals[i..].iter_mut().zip(weights) {
                 *residual += weight * u;
@@ -200,7 +223,7 @@ mod tests {
         let (x, y) = (mean(&KNOTS), mean(&VALUES));
         let products = KNOTS.iter().zip(VALUES).map(|(knot, value)| (knot - x) * (value - y)).sum::<f64>();
         let slope = products / KNOTS.iter().map(|knot| (knot - x) * (knot - x)).sum::<f64>();
-        for (knot, value) in KNOTS.iter().zip(spline.smoothed(&VALUES, 0.0)) {
+        for (knot, value) in KNOTS.iter().zip(spline.smoothed(&VALUES, 0.0).0) {
             assert!((value - y - slope * (knot - x)).abs() < 1e-12, "{knot}: {value}");
         }
         assert!((spline.parameters(0.0) - 2.0).abs() < 1e-10);
@@ -209,7 +232,7 @@ mod tests {
     #[test]
     fn with_much_softness_it_goes_through_the_points() {
         let spline = SmoothingSpline::new(&KNOTS);
-        for (value, smoothed) in VALUES.iter().zip(spline.smoothed(&VALUES, 1e12)) {
+        for (value, smoothed) in VALUES.iter().zip(spline.smoothed(&VALUES, 1e12).0) {
             assert!((value - smoothed).abs() < 1e-6, "{value}: {smoothed}");
         }
         assert!((spline.parameters(1e12) - 8.0).abs() < 1e-4);
@@ -219,7 +242,7 @@ mod tests {
     #[test]
     fn it_solves_its_equations() {
         let (spline, softness) = (SmoothingSpline::new(&KNOTS), 300.0);
-        let smoothed = spline.smoothed(&VALUES, softness);
+        let (smoothed, _) = spline.smoothed(&VALUES, softness);
         // Bending of the natural spline through g: (Q^T g)^T R^-1 (Q^T g), with R tridiagonal.
         let bending = |values: &[f64]| {
             let mut x: Vec<f64> = spline
@@ -262,7 +285,7 @@ mod tests {
             let own = (0..KNOTS.len()).map(|i| {
                 let mut unit = [0.0; 8];
                 unit[i] = 1.0;
-                spline.smoothed(&unit, softness)[i]
+                spline.smoothed(&unit, softness).0[i]
             });
             let trace: f64 = own.sum();
             assert!((spline.parameters(softness) - trace).abs() < 1e-9, "{softness}: {trace}");
@@ -270,10 +293,31 @@ mod tests {
     }
 
     #[test]
+    fn values_and_slopes_are_scipys() {
+        // scipy 1.17.1, make_smoothing_spline(KNOTS, VALUES, lam=8 / 300): the range of the knots to the third power over
+        // the softness.
+        let expected = [
+            (0.458937317733690, -0.245547930587184),
+            (0.434639166439136, -0.237848677662250),
+            (0.401040630234888, -0.207822248147862),
+            (0.372330595774719, -0.177033743034640),
+            (0.315869699806538, -0.102218446988703),
+            (0.298983748184280, -0.069845421731118),
+            (0.274111680651760, -0.006733675267382),
+            (0.274087161174987, 0.003244240249827),
+        ];
+        let (smoothed, slopes) = SmoothingSpline::new(&KNOTS).smoothed(&VALUES, 300.0);
+        for ((value, slope), expected) in smoothed.iter().zip(&slopes).zip(expected) {
+            assert!((value - expected.0).abs() < 1e-12 && (slope - expected.1).abs() < 1e-12, "{value} {slope}");
+        }
+    }
+
+    #[test]
     fn knots_that_are_very_near_are_no_fault() {
         let spline = SmoothingSpline::new(&[0.0, 1e-160, 1.0, 2.0, 3.0]);
         let values = [0.5, 0.4, 0.3, 0.3, 0.2];
-        let smoothed = spline.smoothed(&values, spline.best_softness(&values));
+        let (smoothed, slopes) = spline.smoothed(&values, spline.best_softness(&values));
+        assert!(slopes.iter().all(|slope| slope.is_finite()), "{slopes:?}");
         assert!(smoothed.iter().all(|value| (0.1..0.6).contains(value)), "{smoothed:?}");
     }
 }

@@ -61,13 +61,13 @@ pub fn chosen_cell(arguments: &BrakeArguments) -> Result<Option<(Job, Cell)>, Fa
     arguments.job.as_deref().map(|path| cell_of(path, arguments.cell)).transpose()
 }
 
-/// The job in a file or of a run, with a cell of it, or that in the middle of its axes, with any band.
+/// The job in a file or of a run, with a cell of it, or the one that is [shown](shown_cell), with any band.
 pub fn cell_of(path: &Path, cell: Option<u64>) -> Result<(Job, Cell), Failure> {
     let job = if path.is_dir() { RunDirectory::view(path)?.job()? } else { read_job(path)?.job()? };
     with_cell(job, cell)
 }
 
-/// A job with a cell of it, or that in the middle of its axes, with any band.
+/// A job with a cell of it, or the one that is [shown](shown_cell), with any band.
 pub fn with_cell(job: Job, cell: Option<u64>) -> Result<(Job, Cell), Failure> {
     let last = job.cells() - 1;
     let index = match cell {
@@ -76,12 +76,13 @@ pub fn with_cell(job: Job, cell: Option<u64>) -> Result<(Job, Cell), Failure> {
             return Err(Failure::Usage(message));
         }
         Some(cell) => cell,
-        None => middle(&job),
+        None => shown_cell(&job),
     };
     if cell.is_none() && last > 0 {
         note(format_args!(
-            "cell {index} of 0 to {last} of the job \"{}\", the middle of its axes; choose another with --cell",
-            job.name
+            "cell {index} of 0 to {last} of the job \"{}\", {}; choose another with --cell",
+            job.name,
+            job.place_of_shown_cell()
         ));
     }
     let cell = job.grid.cell(index);
@@ -113,12 +114,14 @@ impl LookedAt {
     }
 }
 
-/// The cell in the middle of every axis, of two the one before; on that of bands, which have no middle, the first.
-pub fn middle(job: &Job) -> u64 {
+/// The cell of a job that is shown if none is asked for: that of its operating point, or that in the middle of every axis, of
+/// two the one before; on that of bands, which have no middle, the first.
+pub fn shown_cell(job: &Job) -> u64 {
     let bands = job.grid.axes.iter().position(|axis| *job.quantity(axis.quantity).name == *BAND);
     let place = |(axis, length): (usize, &u64)| if Some(axis) == bands { 0 } else { (length - 1) / 2 };
     let lengths = job.grid.lengths();
-    lengths.iter().enumerate().fold(0, |index, (axis, length)| index * length + place((axis, length)))
+    let middle = || lengths.iter().enumerate().fold(0, |index, (axis, length)| index * length + place((axis, length)));
+    job.operating_point.unwrap_or_else(middle)
 }
 
 /// Values of all quantities of a job with `NAME=VALUE` changes, of a model whose quantities are its own.

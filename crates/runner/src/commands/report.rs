@@ -4,7 +4,7 @@ use crate::cli::ReportArguments;
 use crate::commands::cell;
 use crate::commands::compare::{CONFIDENCE, Differences, Run, differences_of, interval_name};
 use crate::commands::modes::{lines, squeal};
-use crate::commands::one_brake::middle;
+use crate::commands::one_brake::shown_cell;
 use crate::failure::Failure;
 use crate::files::publish::publish;
 use crate::interrupt::Interrupt;
@@ -39,7 +39,7 @@ pub fn report(arguments: &ReportArguments, interrupt: &Interrupt) -> Result<(), 
     result(&format!("{}\n", shown(&out)))
 }
 
-/// The pictures of the modes of a run whose model is given by matrices, in the middle of its axes.
+/// The pictures of the modes of a run whose model is given by matrices, in the cell that is [shown](shown_cell).
 fn pictures_of_modes(job: &Job, threads: usize, interrupt: &Interrupt) -> Result<Vec<Picture>, Failure> {
     if let Some(why) = job.model.unread() {
         note(format_args!("the report leaves the pictures of modes out of `{}`: {why}", job.name));
@@ -47,7 +47,7 @@ fn pictures_of_modes(job: &Job, threads: usize, interrupt: &Interrupt) -> Result
     if job.model.as_matrices().is_none() {
         return Ok(Vec::new());
     }
-    let cell = job.grid.cell(middle(job));
+    let cell = job.grid.cell(shown_cell(job));
     if job.model().has_slow_samples() {
         note(format_args!("finding the modes of cell {} for the pictures", cell.index));
     }

@@ -82,6 +82,6 @@ pub use models::pad_on_disc::{friction, measured_friction, plausibility};
 pub use models::schema;
 pub use models::start_spec::StartKind;
 pub use sampling_numbers::Effort;
-pub use sampling_spec::{Audit, EvaluateMode};
+pub use sampling_spec::Audit;
 pub use source::{JobSource, Overrides};
 pub use validated::Job;

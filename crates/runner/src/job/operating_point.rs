@@ -33,6 +33,11 @@ impl Job {
         self.operating_point.or((self.cells() == 1).then_some(0))
     }
 
+    /// Where the cell lies that is shown if none is asked for, in words.
+    pub fn place_of_shown_cell(&self) -> &'static str {
+        if self.operating_point.is_some() { "the operating point" } else { "the middle of the axes" }
+    }
+
     /// The same job asked about another target and another operating point, where these are given.
     ///
     /// # Errors

@@ -114,7 +114,7 @@ pub enum SamplingMethod {
     MonteCarlo,
     /// Scrambled Sobol points.
     Sobol,
-    /// An integral over preload and static friction at samples of the other inputs.
+    /// An integral over preload and static friction, of matrices over the friction parameter, at samples of the other inputs.
     Conditional,
     /// Weighted points from where instability is frequent, for rare events.
     Importance,

@@ -33,7 +33,7 @@ pub fn errors(text: &str, mut errors: Vec<Error>) -> Vec<Complaint> {
         let commas = decimal_commas(line);
         for place in &commas {
             let number = &line[place.clone()];
-            let message = format!("{number} has a decimal comma; write {}", number.replacen(',', ".", 1));
+            let message = units::with_comma(number);
             complaints.push(Complaint::at(line_start + place.start..line_start + place.end, message));
         }
         if !commas.is_empty() {

@@ -248,14 +248,6 @@ impl Job {
         self.map_use() != MapUse::Nothing
     }
 
-    /// Whether verdict maps can hold the verdicts: motions from one start, and not too many configurations.
-    pub fn fits_maps(&self) -> bool {
-        self.model().pair().is_some()
-            && self.axes_of(Role::Start).next().is_none()
-            && self.grid.configurations() <= MOST_MAPS
-            && self.model.map_refusal(&self.grid, &self.random).is_none()
-    }
-
     /// The interval of counted verdicts at a confidence.
     pub fn interval(&self, confidence: f64) -> BinomialInterval {
         BinomialInterval::new(self.sampling.interval_kind(confidence), confidence)

@@ -7,6 +7,7 @@ use stickslip_sampler::estimate::interval::Estimate;
 use crate::job::Job;
 use crate::output::counted;
 use crate::picture::asked_cell::KnownCell;
+use crate::picture::title::capitalised;
 use crate::picture::view::{GridView, ViewAxis, probability, rounded};
 
 /// Probabilities that the answer asks for.
@@ -38,19 +39,15 @@ fn of_all(job: &Job, cells: &[Estimate]) -> String {
     }
     let mut text = range(cells);
     let long = [view.vertical(), view.horizontal()].into_iter().flatten();
-    if let Some((axis, ends)) =
-        long.map(|axis| (axis, ends(axis, &high, &LIMITS))).find(|(_, ends)| ends.iter().any(Option::is_some))
-    {
+    let of_limits = |axis: &ViewAxis| LIMITS.map(|limit| (limit, part(axis, (0..).zip(high.iter().copied()), limit)));
+    let is_found = |(_, parts): &(_, [(f64, Part); 3])| parts.iter().any(|(_, part)| part.is_from_an_end());
+    if let Some((axis, parts)) = long.map(|axis| (axis, of_limits(axis))).find(is_found) {
         // What is below a limit everywhere is below the larger ones too.
-        let needed = 1 + ends.iter().position(|end| *end == Some(End::Everywhere)).unwrap_or(ends.len() - 1);
-        let parts: Vec<String> = LIMITS
-            .into_iter()
-            .zip(ends)
-            .take(needed)
-            .filter_map(|(limit, end)| end.map(|end| format!("P < {} {}", percent(limit), end.text(axis))))
-            .collect();
+        let needed = 1 + parts.iter().position(|(_, part)| *part == Part::Everywhere).unwrap_or(parts.len() - 1);
+        let found = parts.into_iter().take(needed).filter(|(_, part)| part.is_from_an_end());
+        let said: Vec<String> = found.map(|(limit, part)| part.text(axis, &below(limit), None)).collect();
         let sure = job.sampling.method.upper_ends(&job.sampling);
-        text += &format!("{}{} ({sure}).\n", parts.join(", "), whatever(&view, axis));
+        text += &format!("{}{} ({sure}).\n", said.join(", "), whatever(others(&view, axis).as_deref()));
     }
     text
 }
@@ -67,34 +64,57 @@ fn range(cells: &[Estimate]) -> String {
     format!("{NAME}: {range} in {}.\n", counted(known().count() as u128, "cell", "cells"))
 }
 
-/// The axes that what is said of one holds for all values of: ", whatever the static friction"; nothing where it is the only
-/// one of several values.
-fn whatever(view: &GridView, axis: &ViewAxis) -> String {
+/// The axes of several values beside one: "rotating speed and static friction".
+fn others(view: &GridView, axis: &ViewAxis) -> Option<String> {
     let others: Vec<&str> = view.others(axis).map(ViewAxis::key).collect();
-    match others.split_last() {
-        None => String::new(),
-        Some((last, [])) => format!(", whatever the {last}"),
-        Some((last, first)) => format!(", whatever the {} and {last}", first.join(", ")),
+    match others.split_last()? {
+        (last, []) => Some((*last).to_owned()),
+        (last, first) => Some(format!("{} and {last}", first.join(", "))),
     }
 }
 
-/// The part of an axis, from one of its ends, in all cells of which the probability is small.
+/// That what is said of an axis holds for all values of the others.
+fn whatever(others: Option<&str>) -> String {
+    others.map_or(String::new(), |others| format!(", whatever the {others}"))
+}
+
+/// The part of an axis in all cells of which the probability is small.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum End {
+enum Part {
     Everywhere,
     UpTo(f64),
     From(f64),
+    /// Some values, but neither the first nor the last.
+    Inside,
+    Nowhere,
 }
 
-impl End {
-    fn text(self, axis: &ViewAxis) -> String {
-        let number = |value: f64| format!("{} {}", rounded(value), axis.unit()).trim_end().to_owned();
-        match self {
-            Self::Everywhere => format!("for every {}", axis.key()),
-            Self::UpTo(value) => format!("for {} up to {}", axis.key(), number(value)),
-            Self::From(value) => format!("for {} from {}", axis.key(), number(value)),
-        }
+impl Part {
+    fn is_from_an_end(self) -> bool {
+        matches!(self, Self::Everywhere | Self::UpTo(_) | Self::From(_))
     }
+
+    /// The words for it, where `below` says that the probability is small; the names of other axes are given where nothing
+    /// else says that it is for all of their values.
+    fn text(self, axis: &ViewAxis, below: &str, others: Option<&str>) -> String {
+        let number = |value: f64| format!("{} {}", rounded(value), axis.unit()).trim_end().to_owned();
+        let key = axis.key();
+        let part = match self {
+            Self::Everywhere => format!("for every {key}"),
+            Self::UpTo(value) => format!("for {key} up to {}", number(value)),
+            Self::From(value) => format!("for {key} from {}", number(value)),
+            Self::Inside => format!("only for a {key} between, from neither end of its values on"),
+            Self::Nowhere => {
+                let all = others.map_or(String::new(), |others| format!(" for every {others}"));
+                return format!("no {key} has {below}{all}");
+            }
+        };
+        format!("{below} {part}{}", whatever(others))
+    }
+}
+
+fn below(limit: f64) -> String {
+    format!("P < {} %", rounded(100.0 * limit))
 }
 
 /// Most slices, or combinations of the other axes, that get a line each.
@@ -103,11 +123,11 @@ const MOST_LINES: usize = 12;
 /// Up to which value of the axis that runs upwards, or of the only one, the probability is surely below a target: for all
 /// cells, and for each slice, or where there is one, each value to the right. What is said holds at the values that were computed.
 fn of_target(job: &Job, view: &GridView, high: &[f64], target: f64) -> String {
-    let below = format!("P < {}", percent(target));
+    let below = below(target);
     let sure = job.sampling.method.upper_ends(&job.sampling);
     let Some(axis) = view.vertical().or(view.horizontal()) else { return String::new() };
-    let said = |end: Option<End>| end.map_or(format!("for no {}", axis.key()), |end| end.text(axis));
-    let [all] = ends(axis, high, &[target])[..] else { return String::new() };
+    let all = part(axis, (0..).zip(high.iter().copied()), target);
+    let others = others(view, axis);
     let is_sliced = view.slices() > 1;
     let mut groups: BTreeMap<u64, Vec<(u64, f64)>> = BTreeMap::new();
     for (cell, high) in (0..).zip(high) {
@@ -115,18 +135,18 @@ fn of_target(job: &Job, view: &GridView, high: &[f64], target: f64) -> String {
         groups.entry(group).or_default().push((cell, *high));
     }
     let mut text = format!(
-        "Target: {below}, with P the probability of instability. {below} {}{} ({sure}; at the values that were computed, not between them).\n",
-        said(all),
-        whatever(view, axis)
+        "Target: {below}, with P the probability of instability. {} ({sure}; at the values that were computed, not between them).\n",
+        capitalised(&all.text(axis, &below, others.as_deref()))
     );
     if (2..=MOST_LINES).contains(&groups.len()) {
         let lines = groups.iter().map(|(first, cells)| {
             let place = if is_sliced { view.slice_of(*first).place(job) } else { view.others_of(job, *first, axis) };
-            format!("At {place}: {below} {}.\n", said(end(axis, cells.iter().copied(), target)))
+            format!("At {place}: {}.\n", part(axis, cells.iter().copied(), target).text(axis, &below, None))
         });
         text.extend(lines);
     } else if groups.len() > MOST_LINES {
-        let found = groups.values().filter(|cells| end(axis, cells.iter().copied(), target).is_some()).count();
+        let is_found = |cells: &&Vec<(u64, f64)>| part(axis, cells.iter().copied(), target).is_from_an_end();
+        let found = groups.values().filter(is_found).count();
         text += &format!(
             "Of {} {}, {found} have {below} from an end of the {} on; `stickslip limit` finds where each ends.\n",
             groups.len(),
@@ -137,13 +157,8 @@ fn of_target(job: &Job, view: &GridView, high: &[f64], target: f64) -> String {
     text
 }
 
-/// For each limit the longest part of the axis, from either end, in all cells of which the probability is below it.
-fn ends(axis: &ViewAxis, high: &[f64], limits: &[f64]) -> Vec<Option<End>> {
-    limits.iter().map(|&limit| end(axis, (0..).zip(high.iter().copied()), limit)).collect()
-}
-
 /// The longest part of the axis, from either end, in all of some cells of which the probability is below a limit.
-fn end(axis: &ViewAxis, cells: impl Iterator<Item = (u64, f64)>, limit: f64) -> Option<End> {
+fn part(axis: &ViewAxis, cells: impl Iterator<Item = (u64, f64)>, limit: f64) -> Part {
     let mut worst = vec![f64::NEG_INFINITY; axis.values.len()];
     for (cell, high) in cells {
         let worst = &mut worst[axis.position(cell)];
@@ -158,18 +173,14 @@ fn end(axis: &ViewAxis, cells: impl Iterator<Item = (u64, f64)>, limit: f64) -> 
     let last = rising.iter().rev().take_while(is_small).count();
     let length = rising.len();
     if first == length {
-        Some(End::Everywhere)
+        Part::Everywhere
     } else if first == 0 && last == 0 {
-        None
+        if rising.iter().any(|value| is_small(&value)) { Part::Inside } else { Part::Nowhere }
     } else if first >= last {
-        Some(End::UpTo(rising[first - 1].0))
+        Part::UpTo(rising[first - 1].0)
     } else {
-        Some(End::From(rising[length - last].0))
+        Part::From(rising[length - last].0)
     }
-}
-
-fn percent(limit: f64) -> String {
-    format!("{} %", rounded(100.0 * limit))
 }
 
 #[cfg(test)]
@@ -223,11 +234,18 @@ mod tests {
             of(axes, &[0.01, 0.03, 0.06]),
             "Target: P < 5 %, with P the probability of instability. P < 5 % for preload up to 0.2 (upper ends of the 95 % intervals; at the values that were computed, not between them).\n"
         );
-        assert!(of(axes, &[0.06, 0.03, f64::NAN]).contains("P < 5 % for no preload ("));
+        let inside = of(axes, &[0.06, 0.03, f64::NAN]);
+        assert!(
+            inside.contains(". P < 5 % only for a preload between, from neither end of its values on ("),
+            "{inside}"
+        );
+        assert!(of(axes, &[0.06, 0.07, f64::NAN]).contains(". No preload has P < 5 % ("));
         let two = "rotating_speed = [10.0, 15.0]\npreload = [0.1, 0.2, 0.3]\nstatic_friction = 0.4";
         let text = of(two, &[0.01, 0.06, 0.04, 0.01, 0.03, 0.04]);
         assert!(text.contains("P < 5 % for rotating speed from 15 rad/s, whatever the preload ("), "{text}");
         assert!(text.contains("\nAt preload = 0.1: P < 5 % for every rotating speed.\n"), "{text}");
+        let text = of(two, &[0.01, 0.06, 0.04, 0.06, 0.03, 0.07]);
+        assert!(text.contains(". No rotating speed has P < 5 % for every preload ("), "{text}");
         let three = "rotating_speed = [10.0, 15.0]\npreload = [0.1, 0.2]\nstatic_friction = [0.3, 0.4]";
         let text = of(three, &[0.01; 8]);
         assert!(

@@ -31,6 +31,8 @@ pub struct Curves<'a> {
     pub vertical: Axis,
     /// Whether there is a line at zero.
     pub has_zero: bool,
+    /// Another line, with its label.
+    pub target: Option<(f64, String)>,
     /// What else is to be said.
     pub notes: Vec<String>,
 }
@@ -64,6 +66,12 @@ impl Curves<'_> {
         if self.has_zero {
             let at = |right: f64| panel.place(right, self.vertical.scale.at(0.0));
             canvas.dashes(&[at(0.0), at(1.0)], Pen::new(GREY, 0.8));
+        }
+        if let Some((target, label)) = &self.target {
+            let at = |right: f64| panel.place(right, self.vertical.scale.at(*target));
+            canvas.dashes(&[at(0.0), at(1.0)], Pen::new(BLACK, 1.0));
+            let above = (at(1.0).0 - 3.0, at(1.0).1 - 3.0);
+            canvas.text(above, label, SMALL - 1, Side::Left, 0.0, BLACK);
         }
         let family = self.family().len();
         for up in 0..family {

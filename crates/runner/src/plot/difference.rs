@@ -47,7 +47,8 @@ impl Difference {
                 let vertical = Axis { scale, title: title.to_owned(), unit: String::new() };
                 let notes = vec![self.name.clone(), format!("bands: {}", self.intervals)];
                 let Self { job, values, low, high, .. } = self;
-                let curves = Curves { job, view, along, values, low, high, vertical, has_zero: true, notes };
+                let curves =
+                    Curves { job, view, along, values, low, high, vertical, has_zero: true, target: None, notes };
                 Some(curves.figure(width))
             }
             Form::Area { vertical, horizontal } => {

@@ -40,6 +40,7 @@ pub fn figure(values: &Values, view: &GridView, width: f64) -> Option<Canvas> {
                 high,
                 vertical,
                 has_zero: false,
+                target: job.target.map(|target| (target, target_label(target))),
                 notes: blank_note(values)
                     .map(str::to_owned)
                     .into_iter()
@@ -107,15 +108,18 @@ fn blank_note(values: &Values) -> Option<&'static str> {
     values.probability.contains(&None).then_some("blank: no probability")
 }
 
-/// The upper end of the axis of probabilities: a round one, or just above the largest probability if that is tiny.
+/// The upper end of the axis of probabilities: a round one, or just above the largest probability, or the target, if that is
+/// tiny.
 fn top(values: &Values) -> f64 {
     if values.probability.iter().all(Option::is_none) {
         return 1.0;
     }
-    if values.largest() < 1e-3 {
-        return values.largest() * 1.2 + 1e-12;
+    let target = values.job.target.unwrap_or(0.0);
+    let largest = values.largest().max(target);
+    if largest < 1e-3 {
+        return largest * 1.2 + 1e-12;
     }
-    let highest = values.high.iter().copied().filter(|high| high.is_finite()).fold(0.0, f64::max);
+    let highest = values.high.iter().copied().filter(|high| high.is_finite()).fold(target, f64::max);
     TOPS.into_iter().find(|limit| *limit >= highest).unwrap_or(1.0)
 }
 

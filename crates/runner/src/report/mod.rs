@@ -23,6 +23,7 @@ pub use self::comparison::{ComparedCell, Comparison};
 use self::facts::facts;
 pub use self::run::{PICTURE_WIDTH, Picture, PictureKind, ReportedRun};
 use crate::failure::Failure;
+use crate::job::Job;
 use crate::job::reduction::Reduction;
 use crate::output::quoted;
 use crate::picture::answer::answer;
@@ -158,11 +159,11 @@ fn pictures(runs: &[ReportedRun], kind: PictureKind) -> String {
     let mut note = String::new();
     let mut shown = String::new();
     for run in runs {
-        let model = run.values.job.model();
+        let job = &run.values.job;
         for Picture { canvas, .. } in run.pictures.iter().filter(|picture| picture.kind == kind) {
-            let element = svg::element(canvas, &kind.alternative(model));
+            let element = svg::element(canvas, &kind.alternative(job.model()));
             shown += &format!("{}<div class=\"picture\">{element}</div>", heading(run, runs.len() > 1));
-            note = kind.note(model);
+            note = kind.note(job);
         }
     }
     if shown.is_empty() {
@@ -203,17 +204,23 @@ impl PictureKind {
         }
     }
 
-    fn note(self, model: &dyn Model) -> String {
+    fn note(self, job: &Job) -> String {
+        let place = job.place_of_shown_cell();
         match self {
-            Self::Inputs => "As drawn in the cell in the middle of the axes.".to_owned(),
+            Self::Inputs => format!("As drawn in the cell at {place}."),
             Self::Friction => {
-                "Steady sliding is unstable on a rigid disc where the curve falls too steeply, here with the values of the cell in the middle of the axes."
-                    .to_owned()
+                let has_disc = job.model().quantities().iter().any(|quantity| quantity.name == "rotating_speed");
+                let on_disc = if has_disc { " on a rigid disc" } else { "" };
+                format!(
+                    "Steady sliding is unstable{on_disc} where the curve falls too steeply, here with the values of the cell at {place}."
+                )
             }
             Self::Distributions => {
                 "Of the samples that have the result: from the 5 % to the 95 % quantile lie 90 % of them.".to_owned()
             }
-            Self::Verdicts => format!("Every sample whose {} lie in a region has its verdict.", nouns_of_pair(model)),
+            Self::Verdicts => {
+                format!("Every sample whose {} lie in a region has its verdict.", nouns_of_pair(job.model()))
+            }
             Self::Modes => {
                 "Where the lines of two frequencies meet and their damping ratios part, friction couples the modes."
                     .to_owned()

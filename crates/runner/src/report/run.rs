@@ -138,6 +138,7 @@ impl ReportedRun {
             "apart": self.apart(),
             "expected": expected_behaviours(job),
             "lines": self.lines(&view),
+            "target": job.target.map(|target| json!({ "value": target, "name": target_label(target) })),
             "recorded": self.recorded(),
             "sensitivity": self.sensitivity(),
         })

@@ -307,6 +307,13 @@ function drawSection(target, index) {
   if (axis.logarithmic) sides.xaxis.type = "log";
   sides.yaxis.rangemode = "tozero";
   sides.showlegend = others.length > 0;
+  if (run.target && !view.comparison) {
+    traces.unshift({
+      x: [axis.values[0], axis.values.at(-1)], y: [run.target.value, run.target.value], mode: "lines+text",
+      line: { color: colour("--text"), width: 1, dash: "dash" }, text: ["", run.target.name], textposition: "top left",
+      textfont: { size: 10, color: colour("--text") }, hoverinfo: "skip", showlegend: false,
+    });
+  }
   Plotly.react(target, traces, sides, config);
 }
 

@@ -222,6 +222,43 @@ fn a_smoothed_curve_falls_where_a_noisy_one_falls_and_rises() {
 }
 
 #[test]
+fn a_smoothed_curve_is_the_spline_between_its_rows_too() {
+    let speeds: Vec<f64> = (0_u32..40).map(|row| 0.05 * f64::from(row)).collect();
+    let curve = MeasuredCurve::smoothed(&speeds, &NOISY, None).unwrap();
+    // scipy 1.17.1, make_smoothing_spline over the root of the speed with the least score of generalised cross-validation
+    // (inflation 1.4, softness in steps of a quarter): speed, coefficient, slope.
+    let table = [
+        (0.05, 0.452_017_492, -0.489_050_507),
+        (0.125, 0.421_875_080, -0.348_402_578),
+        (0.5, 0.335_006_337, -0.142_013_003),
+        (0.525, 0.331_564_739, -0.133_406_250),
+        (1.0, 0.295_048_632, -0.040_021_562),
+        (1.61, 0.280_456_847, -0.015_157_790),
+    ];
+    for (speed, coefficient, slope) in table {
+        let found = curve.at_rest() * curve.slopes(speed).0;
+        assert!((curve.coefficient(speed) - coefficient).abs() < 5e-6, "{speed}: {}", curve.coefficient(speed));
+        assert!((found / slope - 1.0).abs() < 2e-3, "{speed}: {found} for {slope}");
+    }
+}
+
+/// A parabola, smoothed: its least value lies between two rows, and so do the speeds at which friction vanishes.
+#[test]
+fn a_smoothed_curve_turns_between_rows_and_its_bound_lies_below_it() {
+    let speeds: Vec<f64> = (0_u32..12).map(|row| 0.2 * f64::from(row)).collect();
+    for least in [0.0, 1e-3, 0.2] {
+        let parabola: Vec<f64> = speeds.iter().map(|speed| least + 0.3 * (speed - 1.1) * (speed - 1.1)).collect();
+        let curve = SharedCurve::new(MeasuredCurve::smoothed(&speeds, &parabola, None).unwrap());
+        let turning: Vec<f64> = curve.pieces(1.0, 0.0).flat_map(|piece| piece.speeds_of_slope(0.0)).collect();
+        assert!(turning.len() == 1 && (turning[0] - 1.1).abs() < 0.02, "{turning:?}");
+        let bound = curve.lower_bound(1.0, 0.0);
+        let values: Vec<f64> = (0..=2200).map(|i| curve.values(1e-3 * f64::from(i)).0).collect();
+        let smallest = values.iter().copied().fold(f64::INFINITY, f64::min);
+        assert!(bound <= smallest && bound > smallest - 0.02, "{bound} {smallest}");
+    }
+}
+
+#[test]
 fn a_straight_line_is_smoothed_to_itself() {
     let speeds = [0.0, 0.25, 1.0, 2.25, 4.0, 6.25];
     let line = speeds.map(|speed: f64| 0.5 - 0.08 * speed.sqrt());

@@ -60,6 +60,7 @@ pub fn along(
             unit: unit(result.unit).to_owned(),
         },
         has_zero: true,
+        target: None,
         notes: vec![format!("median of the {}; bands: from the 5 % to the 95 % quantile", result.of.nouns()[1])],
         values: &middle,
         low: &low.iter().map(|end| end.unwrap_or(f64::NAN)).collect::<Vec<f64>>(),

@@ -12,7 +12,7 @@ use crate::plot::canvas::Canvas;
 use crate::report::{PICTURE_WIDTH, Picture, PictureKind};
 use crate::store::directory::RunDirectory;
 
-use super::one_brake::{cell_of, middle, with_cell};
+use super::one_brake::{cell_of, shown_cell, with_cell};
 
 mod common;
 
@@ -72,13 +72,13 @@ pub fn figure(arguments: &PlotArguments, width: f64, interrupt: &Interrupt) -> R
     Ok((canvas, beside(path, &name)))
 }
 
-/// The pictures of a finished run in its report: the inputs of the cell in the middle of its axes, its measured friction
-/// curve, and what is recorded.
+/// The pictures of a finished run in its report: the inputs of the cell that is [shown](shown_cell), its measured
+/// friction curve, and what is recorded.
 ///
 /// # Errors
 /// A run that cannot be read.
 pub fn pictures(job: &Job, path: &Path) -> Result<Vec<Picture>, Failure> {
-    let cell = job.grid.cell(middle(job));
+    let cell = job.grid.cell(shown_cell(job));
     let mut pictures = Vec::new();
     let mut add = |kind: PictureKind, figure: Result<Canvas, Failure>| {
         match figure {

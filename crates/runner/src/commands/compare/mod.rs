@@ -1,8 +1,8 @@
 //! `compare`: finished runs cell by cell, and sample by sample where they share their samples.
 //!
-//! Neither surfaces nor pieces hold the joint verdicts of two runs, so the samples are evaluated again. They are pure
-//! functions of the seed, and with a verdict map most of their verdicts cost little. A cell is paired only if the
-//! verdicts are those that both runs counted. By default the intervals hold for all cells together.
+//! Neither surfaces nor pieces hold the joint verdicts of two runs, so the samples are evaluated again, as each run
+//! did. They are pure functions of the seed. A cell is paired only if the verdicts are those that both runs counted. By
+//! default the intervals hold for all cells together.
 
 mod run;
 

@@ -4,11 +4,10 @@ use std::path::Path;
 
 use stickslip_core::model::verdict::VerdictCounts;
 
-use crate::evaluate::maps::Maps;
 use crate::evaluate::parts::Parts;
 use crate::evaluate::sums::{Lookups, SumLayout};
 use crate::failure::Failure;
-use crate::job::{Audit, Effort, EvaluateMode, Job};
+use crate::job::{Effort, Job};
 use crate::messages::Code;
 use crate::output::quoted;
 use crate::store::directory::RunDirectory;
@@ -21,7 +20,7 @@ pub struct Run {
     pub name: String,
     /// Its directory.
     pub directory: RunDirectory,
-    /// Its job, changed to use a verdict map where the criterion allows one.
+    /// Its job.
     pub job: Job,
     /// The parts of its cells.
     pub parts: Parts,
@@ -31,9 +30,6 @@ pub struct Run {
     audited: Option<SumLayout>,
 }
 
-/// More simulations than most tiles of a verdict map take.
-const SIMULATIONS_OF_A_TILE: u128 = 500;
-
 impl Run {
     /// Opens a finished run.
     ///
@@ -41,7 +37,7 @@ impl Run {
     /// Among others, a run that is not finished.
     pub fn open(path: &Path) -> Result<Self, Failure> {
         let directory = RunDirectory::open(path, Access::Reading, AN_INSTANT)?;
-        let mut job = directory.job_to_read()?;
+        let job = directory.job_to_read()?;
         let tally = directory.tally(&job)?;
         let parts = Parts::new(&job);
         let complete = directory.complete_cells(&job, &tally);
@@ -56,18 +52,6 @@ impl Run {
             .remedied(resume));
         }
         let audited = job.sampling.is_audited.then(|| SumLayout::for_job(&job));
-        // A map gives the same verdicts as evaluate = "each", of many samples with a small part of the simulations.
-        let may_have_map =
-            !job.uses_maps() && !job.model().has_closed_form() && job.random.other().is_none() && job.fits_maps();
-        if may_have_map {
-            let mut mapped = job.clone();
-            mapped.sampling.evaluate = EvaluateMode::Boundary;
-            mapped.sampling.audit = Audit::Samples(0);
-            mapped.sampling.is_audited = false;
-            if job.total_samples() > SIMULATIONS_OF_A_TILE * Maps::new(&mapped).needed() as u128 {
-                job = mapped;
-            }
-        }
         Ok(Self { name: path.display().to_string(), directory, job, parts, tally, audited })
     }
 

@@ -129,6 +129,9 @@ impl Found<'_> {
                 format!("low to high: what the verdict map leaves open, which is taken for right. {integrated}")
             }
             (_, None) => integrated.to_owned(),
+            (_, Some(_)) if self.job.sampling.samples == 0 => {
+                format!("low to high: what the integral leaves open. {integrated}")
+            }
             (_, Some(confidence)) => format!(
                 "low to high: {} % interval of the limit, from {} of each combination. At an end of the range it may reach further.",
                 rounded(100.0 * confidence),

@@ -13,6 +13,7 @@ use stickslip_core::numerics::eigenvalues::Eigenvalue;
 use super::terms::{Head, Term};
 use crate::job::diagnosis::{Complaint, Complaints};
 use crate::matrix_files::{Place, ReadMatrix, Stored};
+use crate::units::significant;
 
 /// Frequencies that are shown, Hz.
 const SHOWN_FREQUENCIES: usize = 10;
@@ -168,6 +169,9 @@ pub fn unused_parameters(matrices: &Matrices) -> Vec<String> {
         .collect()
 }
 
+/// Growth that is no more than this, over the frequency, and eigenvalues no larger than this, over the largest, are rounding.
+const ROUNDING: f64 = 1e-6;
+
 /// What moves by more than this, of 1, is named of a rigid-body motion.
 const MOVES: f64 = 1e-6;
 
@@ -190,16 +194,37 @@ pub fn warnings(model: &MatrixModel, modes: &[Mode]) -> Vec<String> {
                 .to_owned(),
         );
     }
-    if modes.is_empty() && knows_all {
+    warnings.extend(unstable_elsewhere(model, modes));
+    if knows_all && modes.iter().all(|mode| mode.frequency == 0.0) {
         warnings.push(
             "nothing oscillates in the expected brake: all eigenvalues are real, as damping is beyond its critical value everywhere"
                 .to_owned(),
         );
-    } else if !modes.iter().any(|mode| in_band(model, mode)) {
+    } else if !modes.iter().any(|mode| mode.frequency > 0.0 && in_band(model, mode)) {
         warnings
             .push("the expected brake has no mode in the band of frequencies (Hz): are the units right?".to_owned());
     }
     warnings
+}
+
+/// What is said of motions of the expected brake that grow outside of the bands, which no verdict counts.
+fn unstable_elsewhere(model: &MatrixModel, modes: &[Mode]) -> Option<String> {
+    let largest = modes.iter().fold(0.0_f64, |largest, mode| largest.max(mode.magnitude));
+    let grows = |mode: &&Mode| {
+        let is_beyond_rounding = mode.magnitude > ROUNDING * largest && mode.damping_ratio < -ROUNDING;
+        is_beyond_rounding && mode.damping_ratio < model.criterion().damping_ratio && !in_band(model, mode)
+    };
+    let frequencies: Vec<String> = modes.iter().filter(grows).map(|mode| significant(mode.frequency)).collect();
+    let first = frequencies.first()?;
+    let of = match frequencies.len() {
+        1 => format!("a motion of the expected brake is unstable outside of the band, at {first} Hz"),
+        count => {
+            format!("{count} motions of the expected brake are unstable outside of the band, the first at {first} Hz")
+        }
+    };
+    Some(format!(
+        "{of} (0 Hz: it goes away without swinging); P counts the band alone. Are the signs and the units of the matrices right? A band that holds these frequencies counts them, criterion.frequency"
+    ))
 }
 
 /// What is said of rigid-body motions that are left out: what moves in each.
@@ -236,31 +261,36 @@ fn in_band(model: &MatrixModel, mode: &Mode) -> bool {
     model.criterion().bands.iter().any(|[low, high]| (*low..=*high).contains(&mode.frequency))
 }
 
-/// An oscillating mode.
+/// A mode, or a motion that does not oscillate, with the frequency 0.
 #[derive(Debug)]
 pub struct Mode {
     /// Hz.
     frequency: f64,
     damping_ratio: f64,
+    /// Of its eigenvalue, 1/s.
+    magnitude: f64,
 }
 
-/// The oscillating modes with these expected values, by rising frequency; none where eigenvalues do not converge.
+/// The modes with these expected values, by rising frequency; none where eigenvalues do not converge.
 pub fn modes(model: &MatrixModel, expected: &[f64]) -> Vec<Mode> {
     let matrices = model.matrices();
     let coefficients = matrices.coefficients(&expected[..matrices.parameters.len()]);
     let eigenvalues = model.problem().eigenvalues(&coefficients, &model.regions()).unwrap_or_default();
-    let oscillating = eigenvalues.into_iter().filter(|value| value.im > 0.0);
-    let mode =
-        |value: Eigenvalue| Mode { frequency: value.im / std::f64::consts::TAU, damping_ratio: damping_ratio(value) };
-    let mut modes: Vec<Mode> = oscillating.map(mode).collect();
+    let of_pairs = eigenvalues.into_iter().filter(|value| value.im >= 0.0);
+    let mode = |value: Eigenvalue| Mode {
+        frequency: value.im / std::f64::consts::TAU,
+        damping_ratio: damping_ratio(value),
+        magnitude: libm::hypot(value.re, value.im),
+    };
+    let mut modes: Vec<Mode> = of_pairs.map(mode).collect();
     modes.sort_by(|a, b| a.frequency.total_cmp(&b.frequency));
     modes
 }
 
 /// The first frequencies, in a line.
 pub fn frequencies(model: &MatrixModel, modes: &[Mode]) -> String {
-    let shown: Vec<String> =
-        modes.iter().take(SHOWN_FREQUENCIES).map(|mode| format!("{:.4}", mode.frequency)).collect();
+    let oscillating = modes.iter().filter(|mode| mode.frequency > 0.0);
+    let shown: Vec<String> = oscillating.take(SHOWN_FREQUENCIES).map(|mode| format!("{:.4}", mode.frequency)).collect();
     format!(
         "# {} degrees of freedom; the first frequencies of the expected brake in Hz: {}\n",
         model.matrices().size(),

@@ -66,7 +66,7 @@ fn times(count: usize) -> String {
 
 /// Warnings about a curve of a job that slides at `fastest` at most, m/s.
 pub fn doubts(curve: &MeasuredCurve, fastest: f64) -> Vec<String> {
-    wrong_unit(curve, fastest).into_iter().chain(noise(curve)).collect()
+    wrong_unit(curve, fastest).or_else(|| beyond(curve, fastest)).into_iter().chain(noise(curve)).collect()
 }
 
 /// A warning about curves of a job that are shifted so far down that they are at or below 0 at one of their rows.
@@ -105,6 +105,16 @@ pub fn vanishing(
             "{which} not plausible: with a friction.band of {limit} or less the friction coefficient is at or below 0 at {speed} m/s (usually in less than 1 %). A sample whose motion meets such a speed is outside the model, see criterion.outside_physics. Give friction.band closer to 0, with a smaller std, or check the column std of friction.table"
         )
     })
+}
+
+/// A warning about speeds at which nothing was measured.
+fn beyond(curve: &MeasuredCurve, fastest: f64) -> Option<String> {
+    let last = curve.speeds().last().copied().filter(|last| fastest > last * (1.0 + 1e-9))?;
+    let unit = if fastest > FASTEST { "Are the speeds of the job in m/s? " } else { "" };
+    let (last, fastest) = (significant(last), significant(fastest));
+    Some(format!(
+        "friction.table ends at {last} m/s, and the job slides at up to {fastest} m/s: beyond its last row friction counts as constant, which makes steady sliding stable there. {unit}Give rows up to that speed, or lower speeds"
+    ))
 }
 
 /// A warning about speeds that are probably not in m/s.
@@ -230,9 +240,9 @@ mod tests {
     fn a_curve_is_noisy_if_it_falls_more_than_twice() {
         let speeds = [0.0, 0.1, 0.2, 0.3, 0.4, 0.5];
         let wavy = curve(&speeds, &[0.5, 0.4, 0.41, 0.3, 0.31, 0.32]);
-        assert_eq!(doubts(&wavy, 1.0), Vec::<String>::new());
+        assert_eq!(doubts(&wavy, 0.5), Vec::<String>::new());
         assert!(described(&wavy).ends_with("it falls twice and rises twice"), "{}", described(&wavy));
-        let noisy = doubts(&curve(&speeds, &[0.5, 0.4, 0.41, 0.3, 0.31, 0.3]), 1.0);
+        let noisy = doubts(&curve(&speeds, &[0.5, 0.4, 0.41, 0.3, 0.31, 0.3]), 0.5);
         assert!(noisy.len() == 1 && noisy[0].contains("falls 3 times and rises twice between its 6 rows"), "{noisy:?}");
     }
 
@@ -256,6 +266,17 @@ mod tests {
         assert_eq!(doubts(&curve(&[0.0, 0.5, 50.0], &[0.5, 0.4, 0.3]), 2.0), Vec::<String>::new());
         let creep = doubts(&curve(&[0.0, 0.5, 50.0], &[0.5, 0.4, 0.3]), 0.3);
         assert!(creep.len() == 1 && creep[0].starts_with("friction.table says nothing of the speeds"), "{creep:?}");
+    }
+
+    #[test]
+    fn speeds_beyond_the_rows_are_said_to_be_stable_by_assumption() {
+        let table = curve(&[0.0, 0.5, 1.0], &[0.5, 0.4, 0.3]);
+        assert_eq!(doubts(&table, 1.0), Vec::<String>::new());
+        let fast = doubts(&table, 1.5);
+        let said = "friction.table ends at 1.000 m/s, and the job slides at up to 1.500 m/s: beyond its last row friction counts as constant, which makes steady sliding stable there. Give rows";
+        assert!(fast.len() == 1 && fast[0].starts_with(said), "{fast:?}");
+        let millimetres = doubts(&table, 600.0);
+        assert!(millimetres[0].contains("Are the speeds of the job in m/s?"), "{millimetres:?}");
     }
 
     #[test]
