@@ -73,7 +73,7 @@ fn a_brake_that_is_unstable_outside_of_its_band_is_said_to_be() {
     // other swings with 0.238 Hz.
     let divergence = said("[[-2, 1], [1, 2]]", 0.01, "[0.1, 1.0]");
     let words =
-        "a motion of the expected brake is unstable outside of the band, at 0 Hz (0 Hz: it goes away without swinging)";
+        "a motion of the expected brake is unstable outside of the band, at 0 Hz (it goes away without swinging)";
     assert!(divergence.contains(words), "{divergence}");
     // Above its critical friction a pair flutters: lambda^2 = -2 +- i 0.2^(1/2) but for the damping, which is 0.2265 Hz.
     let flutter = said("[[2, 1], [1, 2]]", 0.9, "[0.3, 1.0]");

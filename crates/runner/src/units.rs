@@ -90,7 +90,9 @@ pub fn number_with_unit(text: &str) -> Option<String> {
 pub fn with_comma(number: &str) -> String {
     let decimal = number.replacen(',', ".", 1);
     let (whole, groups) = number.split_once(',').unwrap_or((number, ""));
-    let has_thousands = (1..=3).contains(&whole.len()) && !whole.starts_with('0') && groups.len() == 3;
+    let digits = whole.trim_start_matches(['-', '+']);
+    let are_digits = [digits, groups].iter().all(|part| part.bytes().all(|byte| byte.is_ascii_digit()));
+    let has_thousands = are_digits && (1..=3).contains(&digits.len()) && !digits.starts_with('0') && groups.len() == 3;
     if has_thousands {
         format!(
             "{number} has a comma; write {whole}{groups} if it parts thousands, and {decimal} if it is a decimal comma"
@@ -160,6 +162,8 @@ mod tests {
             ("", "there is no number; write one, for example 0.4"),
             ("0,4", "0,4 has a decimal comma; write 0.4"),
             ("0,125", "0,125 has a decimal comma; write 0.125"),
+            ("-0,125", "-0,125 has a decimal comma; write -0.125"),
+            ("1,5e3", "1,5e3 has a decimal comma; write 1.5e3"),
             ("20,000", "20,000 has a comma; write 20000 if it parts thousands, and 20.000 if it is a decimal comma"),
             ("−0.4", "−0.4 has a dash that is no minus sign; write -0.4"),
             ("1_000.5", "1_000.5 has an underscore; write 1000.5"),

@@ -19,6 +19,9 @@ pub const LARGEST_COEFFICIENT: f64 = 5.0;
 /// Least distance of two speeds, relative to the higher one.
 pub const LEAST_GAP: f64 = 1e-4;
 
+/// Most cubics between two rows of a smoothed curve.
+const FINER: usize = 8;
+
 /// Least number of rows of a curve that is smoothed.
 pub const LEAST_SMOOTHED: usize = 5;
 
@@ -125,9 +128,10 @@ pub struct Smoothing {
 
 /// A friction curve as measured: coefficients, and perhaps their standard deviations, at some sliding speeds.
 ///
-/// Between the rows it is interpolated by piecewise cubics that are monotone where the rows are (Fritsch and Carlson's
-/// method with the slopes of Fritsch and Butland, SciPy's `PchipInterpolator`), and those of a smoothed curve have the
-/// slopes of the spline. Below the first and beyond the last speed it is constant, and its slope is continuous everywhere.
+/// Between its knots it is interpolated by piecewise cubics that are monotone where the knots are (Fritsch and Carlson's
+/// method with the slopes of Fritsch and Butland, SciPy's `PchipInterpolator`). The knots are the rows, and of a smoothed
+/// curve further points of its spline besides. Below the first and beyond the last speed it is constant, and its slope is
+/// continuous everywhere.
 ///
 /// ```
 /// use stickslip_core::friction::measured_curve::MeasuredCurve;
@@ -143,10 +147,10 @@ pub struct MeasuredCurve {
     coefficients: Vec<f64>,
     deviations: Option<Vec<f64>>,
     smoothing: Option<Smoothing>,
+    /// Speeds between which it is a cubic.
+    knots: Vec<f64>,
     /// T / T(0).
     shape: Cubics,
-    /// A lower bound of it.
-    least: f64,
     /// S.
     deviation: Cubics,
     index: SpeedIndex,
@@ -159,44 +163,50 @@ impl MeasuredCurve {
     /// [`CurveError`] with the first thing that is wrong.
     pub fn new(speeds: &[f64], coefficients: &[f64], deviations: Option<&[f64]>) -> Result<Self, CurveError> {
         check_columns(speeds, coefficients, deviations)?;
-        Self::through(speeds, coefficients, deviations, |shape| slopes_of_rows(speeds, shape))
+        let zero = vec![0.0; speeds.len()];
+        let knots = Knots { speeds, coefficients, deviations: deviations.unwrap_or(&zero), slopes: None };
+        Self::through(&knots, (speeds, coefficients, deviations))
     }
 
-    /// A curve of which `slopes` makes the slopes of `T / T(0)` at the rows from its values there.
+    /// A curve through its knots, with the rows that it is known by.
     fn through(
-        speeds: &[f64],
-        coefficients: &[f64],
-        deviations: Option<&[f64]>,
-        slopes: impl FnOnce(&[f64]) -> Vec<f64>,
+        knots: &Knots<'_>,
+        (speeds, coefficients, deviations): (&[f64], &[f64], Option<&[f64]>),
     ) -> Result<Self, CurveError> {
-        let at_rest = coefficients[0];
+        let at_rest = knots.coefficients[0];
         if at_rest == 0.0 {
             return Err(CurveError::NothingAtRest);
         }
-        let shape: Vec<f64> = coefficients.iter().map(|value| value / at_rest).collect();
-        let shape = Cubics::new(speeds, &shape, &slopes(&shape));
-        let zero = vec![0.0; speeds.len()];
-        let deviation = deviations.unwrap_or(&zero);
+        let shape: Vec<f64> = knots.coefficients.iter().map(|value| value / at_rest).collect();
+        let monotone = slopes_between(knots.speeds, &shape);
+        let slopes = match knots.slopes {
+            Some(wanted) => {
+                let wanted: Vec<f64> = wanted.iter().map(|slope| slope / at_rest).collect();
+                limited_slopes(knots.speeds, &shape, &wanted, &monotone)
+            }
+            None => monotone,
+        };
+        let deviation_slopes = slopes_between(knots.speeds, knots.deviations);
         Ok(Self {
             speeds: speeds.to_vec(),
             coefficients: coefficients.to_vec(),
             deviations: deviations.map(<[f64]>::to_vec),
             smoothing: None,
-            least: shape.lower_bound(speeds),
-            shape,
-            deviation: Cubics::new(speeds, deviation, &slopes_of_rows(speeds, deviation)),
-            index: SpeedIndex::new(speeds),
+            knots: knots.speeds.to_vec(),
+            shape: Cubics::new(knots.speeds, &shape, &slopes),
+            deviation: Cubics::new(knots.speeds, knots.deviations, &deviation_slopes),
+            index: SpeedIndex::new(knots.speeds),
         })
     }
 
     /// The same through rows that are smoothed first, so that their noise makes no slopes.
     ///
-    /// The coefficients and their slopes become those of a cubic smoothing spline over the root of the speed, on which
-    /// friction bends about as much near rest as far from it. How smooth it is follows from the rows by generalised
-    /// cross-validation. The standard deviations are smoothed as much. What is below 0 then becomes 0.
+    /// The curve becomes a cubic smoothing spline over the root of the speed, on which friction bends about as much near rest
+    /// as far from it. How smooth it is follows from the rows by generalised cross-validation. The standard deviations are
+    /// smoothed as much. What is below 0 then becomes 0.
     ///
-    /// Cubics of the speed with these values and slopes differ from the spline by less than its distance from the rows,
-    /// but for the speeds below the second row: at rest the slope of the spline is infinite.
+    /// Between two rows there are up to eight cubics of the speed, which have the values and slopes of the spline at
+    /// their ends, but at rest, where these are infinite, where the spline turns and at the last row.
     ///
     /// ```
     /// use stickslip_core::friction::measured_curve::MeasuredCurve;
@@ -218,18 +228,33 @@ impl MeasuredCurve {
         let roots: Vec<f64> = speeds.iter().map(|speed| speed.sqrt()).collect();
         let spline = SmoothingSpline::new(&roots);
         let softness = spline.best_softness(coefficients);
-        let admissible = |values: Vec<f64>| -> Vec<f64> {
-            values.into_iter().map(|value| value.clamp(0.0, LARGEST_COEFFICIENT)).collect()
-        };
-        let (fitted, slopes) = spline.smoothed(coefficients, softness);
-        let fitted = admissible(fitted);
-        let deviations_of_curve = deviations.map(|values| admissible(spline.smoothed(values, softness).0));
-        // By the chain rule, from slopes over the root of the speed.
-        let slope = |(slope, root): (&f64, &f64)| slope / (2.0 * root * fitted[0]);
-        let wanted: Vec<f64> = slopes.iter().zip(&roots).map(slope).collect();
-        let curve = Self::through(speeds, &fitted, deviations_of_curve.as_deref(), |shape| {
-            limited_slopes(speeds, shape, &wanted)
-        })?;
+        let admissible = |value: f64| value.clamp(0.0, LARGEST_COEFFICIENT);
+        let of_coefficients = spline.smoothed(coefficients, softness);
+        let of_deviations = deviations.map(|values| spline.smoothed(values, softness));
+        let fitted: Vec<f64> = of_coefficients.0.iter().copied().map(admissible).collect();
+        let fitted_deviations: Option<Vec<f64>> =
+            of_deviations.as_ref().map(|(values, _)| values.iter().copied().map(admissible).collect());
+        let (mut knots, mut values, mut slopes, mut spread) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        let most = (MOST_ROWS - 1) / (rows - 1);
+        for row in 0..rows {
+            let next = (row + 1).min(rows - 1);
+            // As far apart as an index of the speeds needs them.
+            let room = (speeds[next] - speeds[row]) / (10.0 * LEAST_GAP * speeds[next]);
+            let parts = if next > row { (room as usize).clamp(1, most.clamp(1, FINER)) } else { 1 };
+            for part in 0..parts {
+                let share = part as f64 / parts as f64;
+                let root = roots[row] + share * (roots[next] - roots[row]);
+                let at = |of: &(Vec<f64>, Vec<f64>)| spline_between(&roots, of, row, root);
+                let (value, slope) = at(&of_coefficients);
+                knots.push(if part == 0 { speeds[row] } else { root * root });
+                values.push(admissible(value));
+                // By the chain rule, from a slope over the root of the speed.
+                slopes.push(slope / (2.0 * root));
+                spread.push(of_deviations.as_ref().map_or(0.0, |of| admissible(at(of).0)));
+            }
+        }
+        let knots = Knots { speeds: &knots, coefficients: &values, deviations: &spread, slopes: Some(&slopes) };
+        let curve = Self::through(&knots, (speeds, &fitted, fitted_deviations.as_deref()))?;
         let differences = coefficients.iter().zip(&fitted).map(|(measured, fitted)| measured - fitted);
         let squares = differences.map(|difference| difference * difference);
         let smoothing = Smoothing {
@@ -271,12 +296,12 @@ impl MeasuredCurve {
         self.coefficients[0]
     }
 
-    /// In how many ranges of speed it falls from row to row, and in how many it rises. Rows of one coefficient end none.
+    /// In how many ranges of speed it falls from knot to knot, and in how many it rises. Knots of one coefficient end none.
     #[must_use]
     pub fn falls_and_rises(&self) -> [usize; 2] {
         let mut counts = [0, 0];
         let mut before = None;
-        for pair in self.coefficients.windows(2).filter(|pair| pair[0] != pair[1]) {
+        for pair in self.shape.at_knots(self.knots.len()).windows(2).filter(|pair| pair[0] != pair[1]) {
             let rises = pair[1] > pair[0];
             if before != Some(rises) {
                 counts[usize::from(rises)] += 1;
@@ -338,8 +363,10 @@ impl MeasuredCurve {
 
     /// A lower bound of the curve with this value at rest and this shift, at all speeds.
     pub(crate) fn lower_bound(&self, at_rest: f64, shift: f64) -> f64 {
-        let largest = self.deviations.iter().flatten().copied().fold(0.0, f64::max);
-        at_rest * self.least + shift.min(0.0) * largest
+        let [values, deviations] = [&self.shape, &self.deviation].map(|cubics| cubics.at_knots(self.knots.len()));
+        let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+        let largest = deviations.iter().copied().fold(0.0, f64::max);
+        at_rest * least + shift.min(0.0) * largest
     }
 
     /// The first of [`MeasuredCurve::values`]; without standard deviations the second is 0.
@@ -486,23 +513,48 @@ fn check_columns(speeds: &[f64], coefficients: &[f64], deviations: Option<&[f64]
     Ok(())
 }
 
-/// The slopes of a monotone curve through these values at the speeds of the rows.
-fn slopes_of_rows(speeds: &[f64], values: &[f64]) -> Vec<f64> {
+/// What a curve goes through.
+struct Knots<'a> {
+    speeds: &'a [f64],
+    coefficients: &'a [f64],
+    deviations: &'a [f64],
+    /// The slopes of the coefficients, if they are known.
+    slopes: Option<&'a [f64]>,
+}
+
+/// The value and the slope of a spline with these values and slopes at its knots, between one of them and the next: there it
+/// is a cubic.
+fn spline_between(knots: &[f64], (values, slopes): &(Vec<f64>, Vec<f64>), from: usize, x: f64) -> (f64, f64) {
+    let to = from + 1;
+    if x == knots[from] || to == knots.len() {
+        return (values[from], slopes[from]);
+    }
+    let width = knots[to] - knots[from];
+    let secant = (values[to] - values[from]) / width;
+    let cubic = (slopes[from] - 2.0 * secant + slopes[to]) / (width * width);
+    let square = (secant - slopes[from]) / width - cubic * width;
+    let t = x - knots[from];
+    let value = values[from] + t * (slopes[from] + t * (square + t * cubic));
+    (value, slopes[from] + t * (2.0 * square + t * (3.0 * cubic)))
+}
+
+/// The slopes of a monotone curve through these values.
+fn slopes_between(speeds: &[f64], values: &[f64]) -> Vec<f64> {
     monotone_slopes(speeds, values, speeds[0] > 0.0, true)
 }
 
-/// The wanted slopes where the curve is not constant on one side, and up to three times the steeper of the secants beside
-/// them: between rows that rise, or fall, a curve with steeper ones could leave the range of their values.
-fn limited_slopes(speeds: &[f64], values: &[f64], wanted: &[f64]) -> Vec<f64> {
+/// The wanted slopes, as far as the curve stays monotone between two knots with them: of the sign of the secants on both
+/// sides, and up to three times the flatter of them (de Boor and Swartz 1977). At both ends the slopes are those of a curve
+/// without wanted ones.
+fn limited_slopes(speeds: &[f64], values: &[f64], wanted: &[f64], monotone: &[f64]) -> Vec<f64> {
     let last = speeds.len() - 1;
     let secant = |i: usize| (values[i + 1] - values[i]) / (speeds[i + 1] - speeds[i]);
     let limited = |i: usize| {
-        let steepest = secant(i).abs().max(secant(i - 1).abs());
-        wanted[i].clamp(-3.0 * steepest, 3.0 * steepest)
+        let (before, after) = (secant(i - 1), secant(i));
+        let steepest = if before * after > 0.0 { 3.0 * before.abs().min(after.abs()) } else { 0.0 };
+        if before > 0.0 { wanted[i].clamp(0.0, steepest) } else { wanted[i].clamp(-steepest, 0.0) }
     };
-    // At rest the slope is as infinite as that of a root.
-    let first = if speeds[0] > 0.0 { 0.0 } else { 3.0 * secant(0) };
-    std::iter::once(first).chain((1..last).map(limited)).chain([0.0]).collect()
+    (0..=last).map(|i| if i == 0 || i == last { monotone[i] } else { limited(i) }).collect()
 }
 
 /// Piecewise cubics over the speeds of a curve, each in powers of the speed above its own beginning. Behind the last
@@ -540,14 +592,9 @@ impl Cubics {
         cubics
     }
 
-    /// A lower bound of the values: no cubic lies below the least of its Bezier points.
-    fn lower_bound(&self, x: &[f64]) -> f64 {
-        let [start, slope, square, _] = &self.coefficients;
-        let inner = x.windows(2).enumerate().flat_map(|(i, pair)| {
-            let third = (pair[1] - pair[0]) / 3.0;
-            [start[i], start[i] + third * slope[i], start[i] + third * (2.0 * slope[i] + 3.0 * third * square[i])]
-        });
-        inner.chain([start[x.len() - 1]]).fold(f64::INFINITY, f64::min)
+    /// Its values at so many first knots.
+    fn at_knots(&self, count: usize) -> &[f64] {
+        &self.coefficients[0][..count]
     }
 
     /// The steepest slope in an interval, and the variation of its second derivative with the jumps at its ends.
@@ -660,7 +707,7 @@ impl SharedCurve {
 impl SharedCurve {
     /// The pieces of `by_shape T / T(0) + by_deviation S`, from rest to the last row. Beyond it the curve is constant.
     pub(crate) fn pieces(self, by_shape: f64, by_deviation: f64) -> impl Iterator<Item = Piece> + Clone {
-        let MeasuredCurve { speeds, shape, deviation, .. } = self.0;
+        let MeasuredCurve { knots: speeds, shape, deviation, .. } = self.0;
         let piece = move |i: usize| Piece {
             from: speeds[i],
             to: speeds[i + 1],

@@ -25,8 +25,8 @@ pub struct BrakeArguments {
     /// Take the brake of a job, in place of the preset: a job spec (- reads it from standard input) or a run directory
     #[arg(long, value_name = "JOB.toml|RUN_DIR", group = "of_a_job")]
     pub job: Option<PathBuf>,
-    /// The cell of the job whose expected values are taken [default: the middle of its axes, of two in the middle the
-    /// first]
+    /// The cell of the job whose expected values are taken [default: its operating point, or the middle of its axes, of
+    /// two in the middle the first]
     #[arg(long, value_name = "I", value_parser = whole_number, allow_negative_numbers = true, requires = "of_a_job")]
     pub cell: Option<u64>,
     /// Change a value by its key in `stickslip parameters`, for example friction.static_coefficient=0.45, also

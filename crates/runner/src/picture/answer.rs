@@ -103,7 +103,7 @@ impl Part {
             Self::Everywhere => format!("for every {key}"),
             Self::UpTo(value) => format!("for {key} up to {}", number(value)),
             Self::From(value) => format!("for {key} from {}", number(value)),
-            Self::Inside => format!("only for a {key} between, from neither end of its values on"),
+            Self::Inside => format!("for some {key} only, neither the first nor the last"),
             Self::Nowhere => {
                 let all = others.map_or(String::new(), |others| format!(" for every {others}"));
                 return format!("no {key} has {below}{all}");
@@ -139,9 +139,13 @@ fn of_target(job: &Job, view: &GridView, high: &[f64], target: f64) -> String {
         capitalised(&all.text(axis, &below, others.as_deref()))
     );
     if (2..=MOST_LINES).contains(&groups.len()) {
+        // In a slice a value of the axis stands for all values of the axis to the right.
+        let right = view.horizontal().filter(|_| is_sliced && view.vertical().is_some()).map(ViewAxis::key);
         let lines = groups.iter().map(|(first, cells)| {
+            let part = part(axis, cells.iter().copied(), target);
+            let right = right.filter(|_| part == Part::Nowhere);
             let place = if is_sliced { view.slice_of(*first).place(job) } else { view.others_of(job, *first, axis) };
-            format!("At {place}: {}.\n", part(axis, cells.iter().copied(), target).text(axis, &below, None))
+            format!("At {place}: {}.\n", part.text(axis, &below, right))
         });
         text.extend(lines);
     } else if groups.len() > MOST_LINES {
@@ -235,10 +239,7 @@ mod tests {
             "Target: P < 5 %, with P the probability of instability. P < 5 % for preload up to 0.2 (upper ends of the 95 % intervals; at the values that were computed, not between them).\n"
         );
         let inside = of(axes, &[0.06, 0.03, f64::NAN]);
-        assert!(
-            inside.contains(". P < 5 % only for a preload between, from neither end of its values on ("),
-            "{inside}"
-        );
+        assert!(inside.contains(". P < 5 % for some preload only, neither the first nor the last ("), "{inside}");
         assert!(of(axes, &[0.06, 0.07, f64::NAN]).contains(". No preload has P < 5 % ("));
         let two = "rotating_speed = [10.0, 15.0]\npreload = [0.1, 0.2, 0.3]\nstatic_friction = 0.4";
         let text = of(two, &[0.01, 0.06, 0.04, 0.01, 0.03, 0.04]);

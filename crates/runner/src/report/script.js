@@ -309,7 +309,7 @@ function drawSection(target, index) {
   sides.showlegend = others.length > 0;
   if (run.target && !view.comparison) {
     traces.unshift({
-      x: [axis.values[0], axis.values.at(-1)], y: [run.target.value, run.target.value], mode: "lines+text",
+      x: [Math.min(...axis.values), Math.max(...axis.values)], y: [run.target.value, run.target.value], mode: "lines+text",
       line: { color: colour("--text"), width: 1, dash: "dash" }, text: ["", run.target.name], textposition: "top left",
       textfont: { size: 10, color: colour("--text") }, hoverinfo: "skip", showlegend: false,
     });

@@ -237,25 +237,52 @@ fn a_smoothed_curve_is_the_spline_between_its_rows_too() {
     ];
     for (speed, coefficient, slope) in table {
         let found = curve.at_rest() * curve.slopes(speed).0;
-        assert!((curve.coefficient(speed) - coefficient).abs() < 5e-6, "{speed}: {}", curve.coefficient(speed));
-        assert!((found / slope - 1.0).abs() < 2e-3, "{speed}: {found} for {slope}");
+        assert!((curve.coefficient(speed) - coefficient).abs() < 1e-8, "{speed}: {}", curve.coefficient(speed));
+        assert!((found / slope - 1.0).abs() < 1e-4, "{speed}: {found} for {slope}");
     }
 }
 
-/// A parabola, smoothed: its least value lies between two rows, and so do the speeds at which friction vanishes.
+/// A friction coefficient over the sliding speed.
+type Law<'a> = &'a dyn Fn(f64) -> f64;
+
+/// Rows of uneven distances whose spline turns, or would be below 0: the curve is monotone between knots, and its bound is
+/// its least value.
 #[test]
-fn a_smoothed_curve_turns_between_rows_and_its_bound_lies_below_it() {
-    let speeds: Vec<f64> = (0_u32..12).map(|row| 0.2 * f64::from(row)).collect();
-    for least in [0.0, 1e-3, 0.2] {
-        let parabola: Vec<f64> = speeds.iter().map(|speed| least + 0.3 * (speed - 1.1) * (speed - 1.1)).collect();
-        let curve = SharedCurve::new(MeasuredCurve::smoothed(&speeds, &parabola, None).unwrap());
-        let turning: Vec<f64> = curve.pieces(1.0, 0.0).flat_map(|piece| piece.speeds_of_slope(0.0)).collect();
-        assert!(turning.len() == 1 && (turning[0] - 1.1).abs() < 0.02, "{turning:?}");
-        let bound = curve.lower_bound(1.0, 0.0);
-        let values: Vec<f64> = (0..=2200).map(|i| curve.values(1e-3 * f64::from(i)).0).collect();
-        let smallest = values.iter().copied().fold(f64::INFINITY, f64::min);
-        assert!(bound <= smallest && bound > smallest - 0.02, "{bound} {smallest}");
+fn a_smoothed_curve_is_monotone_between_knots_and_never_below_its_bound() {
+    let near_rest = |speed: f64| 0.2 + 0.25 * libm::exp(-speed / 0.02);
+    let parabola = |speed: f64| 0.3 * (speed - 1.1) * (speed - 1.1);
+    let uneven = [0.0, 0.001, 0.5, 1.0, 1.5, 2.0];
+    let even: Vec<f64> = (0_u32..12).map(|row| 0.2 * f64::from(row)).collect();
+    let decades: Vec<f64> = (0_u32..40).map(|row| libm::pow(10.0, 0.1 * f64::from(row) - 3.0)).collect();
+    let curves: [(&[f64], Law<'_>); 5] = [
+        (&uneven, &near_rest),
+        (&even, &near_rest),
+        (&even, &parabola),
+        (&decades, &near_rest),
+        (&decades, &|speed| 0.5 - 0.1 * libm::log10(speed)),
+    ];
+    for (number, (speeds, law)) in curves.into_iter().enumerate() {
+        let rows: Vec<f64> = speeds.iter().map(|speed| law(*speed)).collect();
+        let curve = SharedCurve::new(MeasuredCurve::smoothed(speeds, &rows, Some(&rows)).unwrap());
+        let bound = curve.at_rest() * curve.lower_bound(1.0, 0.0);
+        assert!(bound >= 0.0, "{number}: {bound}");
+        for piece in curve.pieces(curve.at_rest(), 0.0) {
+            let values: Vec<f64> =
+                (0..=50).map(|i| piece.value(piece.from + (piece.to - piece.from) * f64::from(i) / 50.0)).collect();
+            let rises = values[50] >= values[0];
+            let is_monotone =
+                |pair: &[f64]| if rises { pair[1] >= pair[0] - 1e-15 } else { pair[1] <= pair[0] + 1e-15 };
+            assert!(values.windows(2).all(is_monotone), "{number}: {piece:?}");
+            assert!(values.iter().all(|value| *value >= bound - 1e-15), "{number}: {piece:?} {bound}");
+        }
     }
+    // The parabola turns where it does, between two rows.
+    let parabola: Vec<f64> = even.iter().map(|speed| 0.2 + parabola(*speed)).collect();
+    let curve = MeasuredCurve::smoothed(&even, &parabola, None).unwrap();
+    assert_eq!(curve.falls_and_rises(), [1, 1]);
+    let least =
+        (0..=2200).map(|i| 1e-3 * f64::from(i)).min_by(|a, b| curve.coefficient(*a).total_cmp(&curve.coefficient(*b)));
+    assert!((least.unwrap() - 1.1).abs() < 0.02, "{least:?}");
 }
 
 #[test]

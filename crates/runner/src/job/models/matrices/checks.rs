@@ -181,7 +181,10 @@ const NAMED: usize = 6;
 /// What is to be said of the modes of the expected brake.
 pub fn warnings(model: &MatrixModel, modes: &[Mode]) -> Vec<String> {
     let mut warnings = Vec::new();
-    let undamped = modes.iter().filter(|mode| mode.damping_ratio.abs() < 1e-8 && in_band(model, mode)).count();
+    let undamped = modes
+        .iter()
+        .filter(|mode| mode.frequency > 0.0 && mode.damping_ratio.abs() < 1e-8 && in_band(model, mode))
+        .count();
     if undamped > 0 && model.criterion().damping_ratio == 0.0 && !model.matrices().damping.is_empty() {
         warnings.push(format!(
             "{undamped} modes in the band are undamped: a damping ratio of 0 counts as stable, and rounding may be of either sign; a threshold such as damping_ratio = -0.001 leaves them out"
@@ -195,7 +198,7 @@ pub fn warnings(model: &MatrixModel, modes: &[Mode]) -> Vec<String> {
         );
     }
     warnings.extend(unstable_elsewhere(model, modes));
-    if knows_all && modes.iter().all(|mode| mode.frequency == 0.0) {
+    if knows_all && modes.iter().all(|mode| mode.frequency == 0.0 && mode.damping_ratio > 0.0) {
         warnings.push(
             "nothing oscillates in the expected brake: all eigenvalues are real, as damping is beyond its critical value everywhere"
                 .to_owned(),
@@ -214,7 +217,9 @@ fn unstable_elsewhere(model: &MatrixModel, modes: &[Mode]) -> Option<String> {
         let is_beyond_rounding = mode.magnitude > ROUNDING * largest && mode.damping_ratio < -ROUNDING;
         is_beyond_rounding && mode.damping_ratio < model.criterion().damping_ratio && !in_band(model, mode)
     };
-    let frequencies: Vec<String> = modes.iter().filter(grows).map(|mode| significant(mode.frequency)).collect();
+    let mut frequencies: Vec<String> = modes.iter().filter(grows).map(|mode| significant(mode.frequency)).collect();
+    // Between two bands sparse matrices have a pair from both.
+    frequencies.dedup();
     let first = frequencies.first()?;
     let of = match frequencies.len() {
         1 => format!("a motion of the expected brake is unstable outside of the band, at {first} Hz"),
@@ -222,8 +227,9 @@ fn unstable_elsewhere(model: &MatrixModel, modes: &[Mode]) -> Option<String> {
             format!("{count} motions of the expected brake are unstable outside of the band, the first at {first} Hz")
         }
     };
+    let without_swinging = if first == "0" { " (it goes away without swinging)" } else { "" };
     Some(format!(
-        "{of} (0 Hz: it goes away without swinging); P counts the band alone. Are the signs and the units of the matrices right? A band that holds these frequencies counts them, criterion.frequency"
+        "{of}{without_swinging}; P counts the band alone. Are the signs and the units of the matrices right? A band that holds these frequencies counts them, criterion.frequency"
     ))
 }
 
