@@ -236,23 +236,30 @@ impl MeasuredCurve {
             of_deviations.as_ref().map(|(values, _)| values.iter().copied().map(admissible).collect());
         let (mut knots, mut values, mut slopes, mut spread) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         let most = (MOST_ROWS - 1) / (rows - 1);
-        for row in 0..rows {
-            let next = (row + 1).min(rows - 1);
+        for row in 0..rows - 1 {
+            let piece = |(values, slopes): &(Vec<f64>, Vec<f64>)| {
+                let pair = |of: &[f64]| [of[row], of[row + 1]];
+                Piece::between(pair(&roots), pair(values), pair(slopes))
+            };
+            let (coefficient, deviation) = (piece(&of_coefficients), of_deviations.as_ref().map(piece));
             // As far apart as an index of the speeds needs them.
-            let room = (speeds[next] - speeds[row]) / (10.0 * LEAST_GAP * speeds[next]);
-            let parts = if next > row { (room as usize).clamp(1, most.clamp(1, FINER)) } else { 1 };
+            let room = (speeds[row + 1] - speeds[row]) / (10.0 * LEAST_GAP * speeds[row + 1]);
+            let parts = (room as usize).clamp(1, most.clamp(1, FINER));
             for part in 0..parts {
                 let share = part as f64 / parts as f64;
-                let root = roots[row] + share * (roots[next] - roots[row]);
-                let at = |of: &(Vec<f64>, Vec<f64>)| spline_between(&roots, of, row, root);
-                let (value, slope) = at(&of_coefficients);
+                let root = roots[row] + share * (roots[row + 1] - roots[row]);
                 knots.push(if part == 0 { speeds[row] } else { root * root });
-                values.push(admissible(value));
+                values.push(admissible(coefficient.value(root)));
                 // By the chain rule, from a slope over the root of the speed.
-                slopes.push(slope / (2.0 * root));
-                spread.push(of_deviations.as_ref().map_or(0.0, |of| admissible(at(of).0)));
+                slopes.push(coefficient.slope(root) / (2.0 * root));
+                spread.push(deviation.map_or(0.0, |deviation| admissible(deviation.value(root))));
             }
         }
+        // Beyond the last row the curve is constant.
+        knots.push(speeds[rows - 1]);
+        values.push(fitted[rows - 1]);
+        slopes.push(0.0);
+        spread.push(fitted_deviations.as_ref().map_or(0.0, |fitted| fitted[rows - 1]));
         let knots = Knots { speeds: &knots, coefficients: &values, deviations: &spread, slopes: Some(&slopes) };
         let curve = Self::through(&knots, (speeds, &fitted, fitted_deviations.as_deref()))?;
         let differences = coefficients.iter().zip(&fitted).map(|(measured, fitted)| measured - fitted);
@@ -420,6 +427,15 @@ pub(crate) struct Piece {
 }
 
 impl Piece {
+    /// The cubic with these values and slopes at its ends.
+    fn between([from, to]: [f64; 2], [first, last]: [f64; 2], [at_first, at_last]: [f64; 2]) -> Self {
+        let width = to - from;
+        let secant = (last - first) / width;
+        let cubic = (at_first - 2.0 * secant + at_last) / (width * width);
+        let square = (secant - at_first) / width - cubic * width;
+        Self { from, to, coefficients: [first, at_first, square, cubic] }
+    }
+
     pub fn value(&self, speed: f64) -> f64 {
         let ([a, b, c, d], t) = (self.coefficients, speed - self.from);
         a + t * (b + t * (c + t * d))
@@ -522,22 +538,6 @@ struct Knots<'a> {
     slopes: Option<&'a [f64]>,
 }
 
-/// The value and the slope of a spline with these values and slopes at its knots, between one of them and the next: there it
-/// is a cubic.
-fn spline_between(knots: &[f64], (values, slopes): &(Vec<f64>, Vec<f64>), from: usize, x: f64) -> (f64, f64) {
-    let to = from + 1;
-    if x == knots[from] || to == knots.len() {
-        return (values[from], slopes[from]);
-    }
-    let width = knots[to] - knots[from];
-    let secant = (values[to] - values[from]) / width;
-    let cubic = (slopes[from] - 2.0 * secant + slopes[to]) / (width * width);
-    let square = (secant - slopes[from]) / width - cubic * width;
-    let t = x - knots[from];
-    let value = values[from] + t * (slopes[from] + t * (square + t * cubic));
-    (value, slopes[from] + t * (2.0 * square + t * (3.0 * cubic)))
-}
-
 /// The slopes of a monotone curve through these values.
 fn slopes_between(speeds: &[f64], values: &[f64]) -> Vec<f64> {
     monotone_slopes(speeds, values, speeds[0] > 0.0, true)
@@ -573,11 +573,9 @@ impl Cubics {
         let mut coefficients = [empty(), empty(), empty(), empty()];
         let last = x.len() - 1;
         for i in 0..last {
-            let width = x[i + 1] - x[i];
-            let secant = (y[i + 1] - y[i]) / width;
-            let cubic = (slopes[i] - 2.0 * secant + slopes[i + 1]) / (width * width);
-            let square = (secant - slopes[i]) / width - cubic * width;
-            for (coefficients, value) in coefficients.iter_mut().zip([y[i], slopes[i], square, cubic]) {
+            let pair = |of: &[f64]| [of[i], of[i + 1]];
+            let piece = Piece::between(pair(x), pair(y), pair(slopes));
+            for (coefficients, value) in coefficients.iter_mut().zip(piece.coefficients) {
                 coefficients[i] = value;
             }
         }

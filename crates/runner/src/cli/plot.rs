@@ -18,8 +18,7 @@ pub struct PlotArguments {
     #[arg(long, value_name = "QUANTITY", value_enum, default_value_t = PlotQuantity::Probability)]
     pub of: PlotQuantity,
     /// The cell to draw: with --of sobol [default: all of at most 6 cells, else the one whose probability is nearest
-    /// 0.5], with what is drawn of one cell [default: the operating point, or the middle of
-    /// the axes]
+    /// 0.5], with what is drawn of one cell [default: the operating point, or the middle of the axes]
     #[arg(long, value_name = "N", value_parser = whole_number, allow_negative_numbers = true)]
     pub cell: Option<u64>,
     /// The recorded result: with --of sobol the one whose variance is shared out [default: the verdict], with --of
