@@ -70,7 +70,7 @@ def draw_surface(
     if target is not None:
         # Between the values, as the program does: probabilities are interpolated by their normal deviates.
         deviate = numpy.vectorize(lambda p: NormalDist().inv_cdf(min(max(p, 1e-12), 1.0 - 1e-12)), otypes=[float])
-        ax.contour(across.reshape(shape), up.reshape(shape), deviate(grids[2]), levels=deviate([target]), colors="white")
+        ax.contour(*grids[:2], deviate(grids[2]), levels=deviate([target]), colors="white", linestyles="solid")
     ax.set(ylabel=label(shown[0]))
     return filled
 
