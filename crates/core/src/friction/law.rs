@@ -311,8 +311,7 @@ impl FrictionLaw {
     pub(crate) fn steepest_between(&self, from: f64, to: f64) -> f64 {
         match self.shape {
             Shape::Table(_) => self
-                .pieces()
-                .filter(|piece| piece.to * self.speed_scale > from && piece.from * self.speed_scale < to)
+                .pieces_between(from, to)
                 .map(|piece| {
                     let ends = (from / self.speed_scale, to / self.speed_scale);
                     let steepest = piece.steepest_fall(ends.0.max(piece.from), ends.1.min(piece.to));
@@ -338,7 +337,7 @@ impl FrictionLaw {
         last: impl FnOnce((f64, f64)) -> f64,
     ) -> Option<(f64, f64)> {
         if self.is_table() {
-            let pieces = self.pieces().filter(|piece| piece.from * self.speed_scale < v);
+            let pieces = self.pieces_between(0.0, v);
             let piece = pieces.clone().filter(|piece| {
                 let at = piece.steepest_fall(piece.from, piece.to);
                 -piece.slope(at) > steep * self.speed_scale
@@ -357,12 +356,27 @@ impl FrictionLaw {
 
     /// The cubics of a table, over r; those of other laws are none.
     pub(crate) fn pieces(&self) -> impl Iterator<Item = Piece> + Clone + use<> {
-        let (falling, additional) = (self.falling(), self.additional);
-        let curve = match self.shape {
+        self.pieces_between(0.0, f64::INFINITY)
+    }
+
+    /// Those that reach into the sliding speeds between two.
+    pub(crate) fn pieces_between(&self, from: f64, to: f64) -> impl Iterator<Item = Piece> + Clone + use<> {
+        let (ends, parts) = ([from, to].map(|speed| speed / self.speed_scale), (self.falling(), self.additional));
+        self.curve().into_iter().flat_map(move |curve| curve.pieces_between(ends, parts))
+    }
+
+    /// The sliding speeds between two at which a table has a knot, in rising order.
+    pub(crate) fn knots_between(&self, from: f64, to: f64) -> impl DoubleEndedIterator<Item = f64> + Clone + use<> {
+        let scale = self.speed_scale;
+        let knots = self.curve().map(|curve| curve.knots_between(from / scale, to / scale));
+        knots.into_iter().flatten().map(move |knot| knot * scale)
+    }
+
+    fn curve(&self) -> Option<SharedCurve> {
+        match self.shape {
             Shape::Table(curve) => Some(curve),
             _ => None,
-        };
-        curve.into_iter().flat_map(move |curve| curve.pieces(falling, additional))
+        }
     }
 
     /// An upper bound, exact for convex curves, of `[mu(v - u) - mu(v)] / u` over all `0 < |u| <= reach`: what friction
@@ -381,35 +395,29 @@ impl FrictionLaw {
         }
     }
 
-    /// Over every cubic the chord is bounded in two ways: by the steepest slope between v and the cubic's farther end,
-    /// and by the largest or smallest value of the monotone cubic over its distance.
+    /// From knot to knot the chord is bounded in two ways: by the steepest slope from v to the farther one, and by the
+    /// largest or smallest value of the cubic, which is monotone between them, over its distance.
     fn steepest_chord_of_table(&self, v: f64, reach: f64) -> f64 {
         let at_v = self.coefficient(v);
-        let fall_between = |from: f64, to: f64| self.fall(self.steepest_between(from, to));
-        let scale = self.speed_scale;
-        let ends = self.pieces().map(|piece| (piece.from * scale, piece.to * scale));
-        // Beyond the last row the curve is constant.
-        let last = ends.clone().fold(0.0, |last: f64, (_, to)| last.max(to));
-        let mut most = f64::NEG_INFINITY;
-        for (from, to) in ends.chain([(last, f64::INFINITY)]) {
-            let (from, to) = (from.max(v - reach), to.min(v + reach));
-            if from > to {
-                continue;
+        let towards = |knots: &mut dyn Iterator<Item = f64>, end: f64| {
+            let (mut near, mut slope, mut most) = (v, f64::NEG_INFINITY, f64::NEG_INFINITY);
+            for far in knots.chain([end]) {
+                slope = slope.max(self.fall(self.steepest_between(near.min(far), near.max(far))));
+                // A shifted curve need not be monotone between its knots: by its slopes only.
+                let by_value = if self.additional != 0.0 || near == v {
+                    f64::INFINITY
+                } else {
+                    let values = [self.coefficient(near), self.coefficient(far)];
+                    let drop = if far < v { values[0].max(values[1]) - at_v } else { at_v - values[0].min(values[1]) };
+                    drop / (v - if drop > 0.0 { near } else { far }).abs()
+                };
+                most = most.max(slope.min(by_value));
+                near = far;
             }
-            let by_slope = fall_between(from.min(v), to.max(v));
-            // A shifted curve need not be monotone between its rows: by its slopes only.
-            let by_value = if self.additional != 0.0 || (from <= v && v <= to) {
-                f64::INFINITY
-            } else if to < v {
-                let drop = self.coefficient(from).max(self.coefficient(to)) - at_v;
-                drop / if drop > 0.0 { v - to } else { v - from }
-            } else {
-                let drop = at_v - self.coefficient(from).min(self.coefficient(to));
-                drop / if drop > 0.0 { from - v } else { to - v }
-            };
-            most = most.max(by_slope.min(by_value));
-        }
-        most
+            most
+        };
+        let below = towards(&mut self.knots_between(v - reach, v).rev(), v - reach);
+        below.max(towards(&mut self.knots_between(v, v + reach), v + reach))
     }
 }
 
@@ -470,6 +478,46 @@ mod tests {
         let deviations = vec![0.1; coefficients.len()];
         let curve = MeasuredCurve::new(&speeds, coefficients, Some(&deviations)).unwrap();
         FrictionLaw::table(SharedCurve::new(curve), coefficients[0], 2.0).with_additional(-shift)
+    }
+
+    #[test]
+    fn no_chord_of_a_table_is_steeper_than_its_bound() {
+        let flat_then_steep = [0.4, 0.39, 0.385, 0.38, 0.2, 0.1, 0.09];
+        let mut tightened = 0;
+        for (coefficients, shift) in [
+            (&[0.4, 0.1, 0.3, 0.15, 0.35, 0.2][..], 0.0),
+            (&[0.4, 0.1, 0.3, 0.15, 0.35, 0.2], 1.5),
+            (&[0.2, 0.3, 0.35, 0.2, 0.25, 0.1], -0.5),
+            (&flat_then_steep, 0.0),
+        ] {
+            let law = shifted_down(coefficients, shift);
+            for (v, reach) in [(3.0, 2.9), (3.1, 0.02), (6.3, 6.1), (9.0, 8.5), (4.0, 2.0), (2.0, 1.5), (30.0, 5.0)] {
+                let (bound, at_v) = (law.steepest_chord(v, reach), law.coefficient(v));
+                let chords = (1..=2000).flat_map(|i| {
+                    let u = reach * f64::from(i) / 2000.0;
+                    [u, -u].map(|u| (law.coefficient(v - u) - at_v) / u)
+                });
+                let steepest = chords.fold(f64::NEG_INFINITY, f64::max);
+                let fall = law.fall(law.steepest_between(v - reach, v + reach));
+                assert!(bound >= steepest - 1e-12, "{coefficients:?} {v} {reach}: {bound} {steepest}");
+                assert!(bound <= fall + 1e-15, "{coefficients:?} {v} {reach}: {bound} {fall}");
+                tightened += usize::from(bound < 0.9 * fall);
+            }
+        }
+        assert!(tightened >= 5, "{tightened}");
+    }
+
+    #[test]
+    fn the_cubics_between_two_speeds_are_those_that_reach_there() {
+        let law = shifted_down(&[0.4, 0.1, 0.3, 0.15, 0.35, 0.2], 0.5);
+        for (from, to) in [(0.0, 20.0), (1.0, 1.5), (2.0, 4.0), (3.9, 4.1), (9.5, 30.0), (11.0, 12.0)] {
+            let reaches = |piece: &Piece| 2.0 * piece.to > from && 2.0 * piece.from < to;
+            let expected: Vec<Piece> = law.pieces().filter(reaches).collect();
+            let found: Vec<Piece> = law.pieces_between(from, to).collect();
+            assert_eq!(found, expected, "{from} {to}");
+            let inside = [0.0, 2.0, 4.0, 6.0, 8.0, 10.0].into_iter().filter(|knot| from < *knot && *knot < to);
+            assert!(inside.eq(law.knots_between(from, to)), "{from} {to}");
+        }
     }
 
     #[test]

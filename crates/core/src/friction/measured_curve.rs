@@ -153,6 +153,8 @@ pub struct MeasuredCurve {
     shape: Cubics,
     /// S.
     deviation: Cubics,
+    least_shape: f64,
+    largest_deviation: f64,
     index: SpeedIndex,
 }
 
@@ -195,6 +197,8 @@ impl MeasuredCurve {
             knots: knots.speeds.to_vec(),
             shape: Cubics::new(knots.speeds, &shape, &slopes),
             deviation: Cubics::new(knots.speeds, knots.deviations, &deviation_slopes),
+            least_shape: shape.iter().copied().fold(f64::INFINITY, f64::min),
+            largest_deviation: knots.deviations.iter().copied().fold(0.0, f64::max),
             index: SpeedIndex::new(knots.speeds),
         })
     }
@@ -370,10 +374,7 @@ impl MeasuredCurve {
 
     /// A lower bound of the curve with this value at rest and this shift, at all speeds.
     pub(crate) fn lower_bound(&self, at_rest: f64, shift: f64) -> f64 {
-        let [values, deviations] = [&self.shape, &self.deviation].map(|cubics| cubics.at_knots(self.knots.len()));
-        let least = values.iter().copied().fold(f64::INFINITY, f64::min);
-        let largest = deviations.iter().copied().fold(0.0, f64::max);
-        at_rest * least + shift.min(0.0) * largest
+        at_rest * self.least_shape + shift.min(0.0) * self.largest_deviation
     }
 
     /// The first of [`MeasuredCurve::values`]; without standard deviations the second is 0.
@@ -703,21 +704,37 @@ impl SharedCurve {
 }
 
 impl SharedCurve {
-    /// The pieces of `by_shape T / T(0) + by_deviation S`, from rest to the last row. Beyond it the curve is constant.
-    pub(crate) fn pieces(self, by_shape: f64, by_deviation: f64) -> impl Iterator<Item = Piece> + Clone {
-        let MeasuredCurve { knots: speeds, shape, deviation, .. } = self.0;
+    /// The knots between two speeds in m/s.
+    pub(crate) fn knots_between(self, from: f64, to: f64) -> &'static [f64] {
+        let knots = &self.0.knots;
+        let first = knots.partition_point(|knot| *knot <= from);
+        let last = knots.partition_point(|knot| *knot < to);
+        &knots[first..last.max(first)]
+    }
+
+    /// The pieces of `by_shape T / T(0) + by_deviation S` that reach into the speeds between two. Beyond the last row it is
+    /// constant.
+    pub(crate) fn pieces_between(
+        self,
+        [from, to]: [f64; 2],
+        (by_shape, by_deviation): (f64, f64),
+    ) -> impl Iterator<Item = Piece> + Clone {
+        let MeasuredCurve { knots, shape, deviation, .. } = self.0;
+        let last = knots.len() - 1;
         let piece = move |i: usize| Piece {
-            from: speeds[i],
-            to: speeds[i + 1],
+            from: knots[i],
+            to: knots[i + 1],
             coefficients: [0, 1, 2, 3]
                 .map(|power| by_shape * shape.coefficients[power][i] + by_deviation * deviation.coefficients[power][i]),
         };
-        let constant = (speeds[0] > 0.0).then(|| Piece {
+        let constant = (knots[0] > from.max(0.0)).then(|| Piece {
             from: 0.0,
-            to: speeds[0],
+            to: knots[0],
             coefficients: [piece(0).coefficients[0], 0.0, 0.0, 0.0],
         });
-        constant.into_iter().chain((0..speeds.len() - 1).map(piece))
+        let first = knots.partition_point(|knot| *knot <= from).saturating_sub(1);
+        let end = knots.partition_point(|knot| *knot < to).min(last);
+        constant.into_iter().chain((first..end).map(piece))
     }
 }
 

@@ -90,7 +90,7 @@ fn every_speed_is_found_in_its_interval() {
 #[test]
 fn slopes_are_continuous_and_curves_monotone_between_rows() {
     let curve = SharedCurve::new(curve());
-    let pieces: Vec<Piece> = curve.pieces(0.48, 0.0).collect();
+    let pieces: Vec<Piece> = curve.pieces_between([0.0, f64::INFINITY], (0.48, 0.0)).collect();
     assert_eq!(pieces.len(), SPEEDS.len() - 1);
     for pair in pieces.windows(2) {
         let knot = pair[0].to;
@@ -109,7 +109,7 @@ fn slopes_are_continuous_and_curves_monotone_between_rows() {
 #[test]
 fn the_speeds_of_a_slope_and_the_steepest_fall_are_those_of_a_search() {
     let curve = SharedCurve::new(curve());
-    for piece in curve.pieces(0.48, 1.5) {
+    for piece in curve.pieces_between([0.0, f64::INFINITY], (0.48, 1.5)) {
         let at = |i: u32| piece.from + (piece.to - piece.from) * f64::from(i) / 2000.0;
         let steepest = piece.slope(piece.steepest_fall(piece.from, piece.to));
         let searched = (0..=2000).map(|i| piece.slope(at(i))).fold(f64::INFINITY, f64::min);
@@ -266,7 +266,7 @@ fn a_smoothed_curve_is_monotone_between_knots_and_never_below_its_bound() {
         let curve = SharedCurve::new(MeasuredCurve::smoothed(speeds, &rows, Some(&rows)).unwrap());
         let bound = curve.at_rest() * curve.lower_bound(1.0, 0.0);
         assert!(bound >= 0.0, "{number}: {bound}");
-        for piece in curve.pieces(curve.at_rest(), 0.0) {
+        for piece in curve.pieces_between([0.0, f64::INFINITY], (curve.at_rest(), 0.0)) {
             let values: Vec<f64> =
                 (0..=50).map(|i| piece.value(piece.from + (piece.to - piece.from) * f64::from(i) / 50.0)).collect();
             let rises = values[50] >= values[0];

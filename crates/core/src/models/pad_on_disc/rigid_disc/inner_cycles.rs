@@ -114,7 +114,7 @@ impl PlanarMotion {
         let scale = law.speed_scale;
         // Each piece, as far as it lies between two sliding speeds.
         let between = |from: f64, to: f64| {
-            law.pieces().filter_map(move |piece| {
+            law.pieces_between(from, to).filter_map(move |piece| {
                 let (from, to) = (piece.from.max(from / scale), piece.to.min(to / scale));
                 (from < to).then_some((piece, from, to))
             })

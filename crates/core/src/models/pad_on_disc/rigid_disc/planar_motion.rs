@@ -132,8 +132,7 @@ impl PlanarMotion {
     /// at its rows. Only then does a change near that of the linearised motion say something of smaller amplitudes.
     pub fn is_smooth_within(&self, a: f64) -> bool {
         let (v, reach) = (self.disc_speed, 2.0 * a * self.stiffness.sqrt());
-        let mut knots = self.law.pieces().flat_map(|piece| [piece.from, piece.to]);
-        !knots.any(|knot| (knot * self.law.speed_scale - v).abs() < reach)
+        self.law.knots_between(v - reach, v + reach).next().is_none()
     }
 
     /// Whether the motion in a state of slip surely comes to rest.
