@@ -1,5 +1,7 @@
 //! Limits along an axis of a job, in one combination of the other axes.
 
+use std::sync::atomic::AtomicU64;
+
 use stickslip_core::model::quantity::Role;
 use stickslip_core::model::verdict::VerdictCounts;
 use stickslip_sampler::estimate::interval::Estimate;
@@ -36,15 +38,17 @@ const TOLERANCES: [f64; 2] = [1e-12, 1e-9];
 
 /// A search for limits along an axis of a job.
 pub struct LimitSearch<'a> {
-    job: &'a Job,
-    axis: &'a LimitAxis,
-    method: LimitMethod,
+    pub job: &'a Job,
+    pub axis: &'a LimitAxis,
+    pub method: LimitMethod,
     /// Confidence of the intervals of probabilities.
-    confidence: f64,
+    pub confidence: f64,
     /// The regions of the verdict maps, where the method integrates over these.
-    regions: &'a [MapRegions],
+    pub regions: &'a [MapRegions],
     /// Where estimates are kept.
-    keeper: Option<&'a dyn Keeper>,
+    pub keeper: Option<&'a dyn Keeper>,
+    /// Counts the values at which the probability was estimated.
+    pub estimated: &'a AtomicU64,
 }
 
 /// The values of the axis at which the probability is first estimated; none where samples have critical values.
@@ -58,19 +62,7 @@ pub fn scanned(axis: &LimitAxis, method: LimitMethod) -> Option<Vec<f64>> {
     Some(scanned_values(&axis.values, intervals))
 }
 
-impl<'a> LimitSearch<'a> {
-    /// A search.
-    pub fn new(
-        job: &'a Job,
-        axis: &'a LimitAxis,
-        method: LimitMethod,
-        confidence: f64,
-        regions: &'a [MapRegions],
-        keeper: Option<&'a dyn Keeper>,
-    ) -> Self {
-        Self { job, axis, method, confidence, regions, keeper }
-    }
-
+impl LimitSearch<'_> {
     /// The limits of the combination of `cell`, which has the first value of the axis.
     ///
     /// # Errors
@@ -133,7 +125,7 @@ impl<'a> LimitSearch<'a> {
             LimitMethod::CriticalValues(varied) => self.by_critical_values(cell, varied, targets, is_stopped),
             LimitMethod::WeightedSamples => {
                 let (job, axis, confidence) = (self.job, self.axis, self.confidence);
-                let search = WeightedSearch { job, axis, cell, confidence, asked: &asked };
+                let search = WeightedSearch { job, axis, cell, confidence, asked: &asked, estimated: self.estimated };
                 search.limits(&self.values(), targets, is_stopped)
             }
             LimitMethod::Samples => {
@@ -179,7 +171,7 @@ impl<'a> LimitSearch<'a> {
         values.extend(further);
         values.sort_by(f64::total_cmp);
         values.dedup();
-        let estimate = each_once(estimate);
+        let estimate = each_once(self.estimated, estimate);
         let usual = |value: f64| estimate(value).map(|found| found.estimate);
         let scan = Scan::new(&values, tolerance, usual)?;
         let limits = |&target: &f64| scan.limits(target, usual);

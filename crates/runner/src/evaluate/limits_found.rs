@@ -2,6 +2,7 @@
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use stickslip_core::model::{IsStopped, ModelError};
 use stickslip_sampler::estimate::audit::{COMPARED, PlainSamples};
@@ -58,8 +59,11 @@ impl From<Estimate> for Intervals {
 }
 
 /// The same estimates, each of which is made once: several targets ask at the same values, and both ends of the axis
-/// are asked for again beside the limits.
-pub fn each_once(estimate: impl Fn(f64) -> Result<Intervals, Ended>) -> impl Fn(f64) -> Result<Intervals, Ended> {
+/// are asked for again beside the limits. They are counted.
+pub fn each_once(
+    counted: &AtomicU64,
+    estimate: impl Fn(f64) -> Result<Intervals, Ended>,
+) -> impl Fn(f64) -> Result<Intervals, Ended> {
     let known: RefCell<BTreeMap<u64, Intervals>> = RefCell::default();
     move |value: f64| {
         let seen = known.borrow().get(&value.to_bits()).copied();
@@ -67,6 +71,7 @@ pub fn each_once(estimate: impl Fn(f64) -> Result<Intervals, Ended>) -> impl Fn(
             return Ok(found);
         }
         let found = estimate(value)?;
+        counted.fetch_add(1, Ordering::Relaxed);
         known.borrow_mut().insert(value.to_bits(), found);
         Ok(found)
     }
@@ -184,8 +189,8 @@ mod tests {
 
     #[test]
     fn no_value_is_estimated_twice() {
-        let asked = RefCell::new(Vec::new());
-        let estimate = each_once(|value: f64| {
+        let (asked, counted) = (RefCell::new(Vec::new()), AtomicU64::new(0));
+        let estimate = each_once(&counted, |value: f64| {
             asked.borrow_mut().push(value);
             Ok(Intervals::from(Estimate { probability: Some(value), low: value, high: value }))
         });
@@ -200,6 +205,7 @@ mod tests {
         }
         let mut values = asked.take();
         let all = values.len();
+        assert_eq!(counted.load(Ordering::Relaxed), all as u64);
         values.sort_by(f64::total_cmp);
         values.dedup();
         assert_eq!(values.len(), all, "a value was estimated twice");

@@ -4,6 +4,8 @@
 //! the samples are then placed once. The probability is a smooth function of the value there, so that its interval
 //! bounds the limit.
 
+use std::sync::atomic::AtomicU64;
+
 use stickslip_sampler::estimate::audit::COMPARED;
 use stickslip_sampler::estimate::interval::Estimate;
 use stickslip_sampler::estimate::weighted::{Distrust, WeightedEstimate};
@@ -44,6 +46,8 @@ pub struct WeightedSearch<'a, 'k> {
     pub confidence: f64,
     /// The samples of its estimates.
     pub asked: &'a Asked<'k>,
+    /// Counts these.
+    pub estimated: &'a AtomicU64,
 }
 
 impl WeightedSearch<'_, '_> {
@@ -57,7 +61,7 @@ impl WeightedSearch<'_, '_> {
         targets: &[f64],
         is_stopped: IsStopped<'_>,
     ) -> Result<CombinationLimits, Ended> {
-        let found = each_once(|value| self.estimate(value, None, targets, is_stopped));
+        let found = each_once(self.estimated, |value| self.estimate(value, None, targets, is_stopped));
         let estimate = |value: f64| found(value).map(|found| found.estimate);
         let scan = Scan::new(values, TOLERANCES[0], estimate)?;
         if scan.is_unknown() {

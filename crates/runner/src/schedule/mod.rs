@@ -18,7 +18,7 @@ mod saving;
 
 pub mod engine;
 
-mod in_order;
+pub mod in_order;
 
 pub mod mapping;
 

@@ -1,6 +1,7 @@
 //! The search for limits in all combinations of the other axes.
 
 use std::borrow::Cow;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use stickslip_core::model::ModelError;
 use stickslip_sampler::estimate::interval::simultaneous_confidence;
@@ -16,7 +17,9 @@ use crate::files::folder::Folder;
 use crate::interrupt::Interrupt;
 use crate::job::{Job, LimitAxis, LimitMethod};
 use crate::schedule::engine::{Engine, Outcome};
+use crate::schedule::in_order::Steps;
 use crate::schedule::mapping::Mapping;
+use crate::schedule::progress::Total;
 use crate::store::map_pieces;
 use crate::store::searches::digest_of_searches;
 use stickslip_core::model::IsStopped;
@@ -67,17 +70,30 @@ impl<'a> Wanted<'a> {
             LimitMethod::MapIntegral => self.regions(engine, tiles, interrupt, stopped)?,
             _ => Vec::new(),
         };
-        let search = LimitSearch::new(job, axis, method, self.confidence().unwrap_or(f64::NAN), &regions, keeper);
+        let (estimated, finished) = (AtomicU64::new(0), AtomicU64::new(0));
+        let confidence = self.confidence().unwrap_or(f64::NAN);
+        let search = LimitSearch { job, axis, method, confidence, regions: &regions, keeper, estimated: &estimated };
+        let count = combinations.len() as u64;
+        // Between the values of a scan a search estimates at further ones.
+        let steps = match scanned(axis, method) {
+            Some(values) => {
+                let total = count * values.len() as u64;
+                Steps { done: &estimated, total, total_is: Total::AtLeast, unit: "values of the axis" }
+            }
+            None => Steps { done: &finished, total: count, total_is: Total::Known, unit: "combinations" },
+        };
         let work = |index: u64, is_stopped: IsStopped<'_>| {
             let cell = combinations[index as usize];
-            match search.limits(cell, targets, is_stopped) {
+            let limits = search.limits(cell, targets, is_stopped);
+            finished.fetch_add(1, Ordering::Relaxed);
+            match limits {
                 Ok(limits) => Ok(Some(self.rows(cell, &limits))),
                 Err(Ended::Stopped) => Ok(None),
                 Err(Ended::Failed(failure)) => Err(failure),
                 Err(Ended::NoSuchConfiguration(value, error)) => Err(self.no_brake(cell, value, &error)),
             }
         };
-        let rows = engine.in_order(combinations.len() as u64, "combinations", interrupt, stopped, work)?;
+        let rows = engine.in_order(count, &steps, interrupt, stopped, work)?;
         Ok(Found { rows: rows.concat(), ..self.nothing_found() })
     }
 
