@@ -38,7 +38,7 @@ pub fn check(arguments: &CheckArguments) -> Result<(), Failure> {
         return result(&format!("{:#}\n", as_json(&job, threads, &cost)));
     }
     let all = match arguments.all {
-        true => format!("\n{}", job.normalised()),
+        true => format!("\n{}", job.with_all_keys()),
         false => "# --all shows every key with its value, defaults too\n".to_owned(),
     };
     result(&format!(

@@ -2,9 +2,12 @@
 
 use std::path::Path;
 
+use toml_edit::DocumentMut;
+
 use super::shipped_jobs::ShippedJob;
 use crate::failure::{Advice, Failure};
 use crate::job::JobSource;
+use crate::messages::Code;
 use crate::output::quoted;
 use crate::store::layout::{JOB, SHARDS};
 
@@ -14,10 +17,26 @@ use crate::store::layout::{JOB, SHARDS};
 /// A file that cannot be read. Of the directory of a run, and of a job that comes with the program and is not there, the
 /// message says how to go on.
 pub fn read_job(path: &Path) -> Result<JobSource, Failure> {
-    JobSource::read(path).map_err(|failure| match meant(path) {
+    let source = JobSource::read(path).map_err(|failure| match meant(path) {
         Some(advice) => failure.with_advice(&advice),
         None => failure,
-    })
+    })?;
+    match no_toml(&source.text) {
+        Some(line) => Err(Failure::Job(format!(
+            "{} is no job: a job is TOML, with tables such as [axes] and [criterion], and this file begins with {line:?}; if it holds data of a job, name it there (`stickslip init --from own-brake` writes a job that names files)",
+            path.display()
+        ))
+        .coded(Code::JobSpec)),
+        None => Ok(source),
+    }
+}
+
+/// The beginning of a text that is something else than TOML: a table of data, or matrices. A job with mistakes has tables.
+fn no_toml(text: &str) -> Option<String> {
+    let has_tables = text.lines().any(|line| line.trim_start().starts_with('['));
+    let first = text.lines().map(str::trim).find(|line| !line.is_empty() && !line.starts_with('#'))?;
+    let is_none = !has_tables && first.parse::<DocumentMut>().is_err() && text.parse::<DocumentMut>().is_err();
+    is_none.then(|| first.chars().take(40).collect())
 }
 
 /// What may have been meant by a path that is no job.

@@ -4,6 +4,7 @@
 
 use std::collections::BTreeMap;
 
+use serde::Serialize;
 use stickslip_sampler::estimate::looks::Precision;
 use stickslip_sampler::inputs::Marginal;
 
@@ -19,11 +20,64 @@ use super::scatter::own_std;
 use super::spec::JobSpec;
 use super::validated::Job;
 
+/// What a job asks of its result.
+#[derive(Serialize)]
+struct Asked<'a> {
+    limit: Option<AskedLimit<'a>>,
+    target: Option<AskedTarget>,
+}
+
+#[derive(Serialize)]
+struct AskedLimit<'a> {
+    of: &'a str,
+    probability: &'a [f64],
+}
+
+#[derive(Serialize)]
+struct AskedTarget {
+    probability: Option<f64>,
+    at: Option<BTreeMap<String, f64>>,
+}
+
 impl Job {
     /// The job with everything written out, as TOML that can itself be submitted.
     pub fn normalised(&self) -> String {
         // Strings, numbers, lists and tables only: there is nothing in it that TOML cannot hold.
         toml::to_string(&self.written_out()).unwrap_or_else(|error| format!("# not representable: {error}\n"))
+    }
+
+    /// The same, with the keys that make no difference while they have their defaults, and with what is asked of the
+    /// result. It is the same experiment.
+    pub fn with_all_keys(&self) -> String {
+        let mut spec = self.written_out();
+        let (takes, sampling) = (|key: Key| self.sampling.method.takes(key), &self.sampling);
+        let if_taken = |key: Key, value: bool| takes(key).then(|| written(value));
+        let interval = || written(sampling.interval.unwrap_or_default());
+        spec.sampling = SamplingSpec {
+            interval: takes(Key::Interval).then(interval),
+            simultaneous: if_taken(Key::Simultaneous, sampling.simultaneous),
+            derivatives: if_taken(Key::Derivatives, sampling.derivatives),
+            sensitivity: if_taken(Key::Sensitivity, sampling.sensitivity),
+            ..spec.sampling
+        };
+        let marginals = self.random.marginals.iter().enumerate();
+        let marginals: BTreeMap<String, MarginalSpec> = marginals
+            .map(|(i, marginal)| (self.quantity_of(i).name.to_string(), MarginalSpec::Given(marginal.clone())))
+            .collect();
+        spec.random.distribution = (!marginals.is_empty()).then(|| written(DistributionSpec::Each(marginals)));
+        if let Some(criterion) = spec.criterion.as_mut().and_then(toml::Value::as_table_mut) {
+            criterion.extend(table_of(&BTreeMap::from([("outside_physics", self.outside_physics)])));
+        }
+        let target = AskedTarget {
+            probability: self.target,
+            at: self.operating_point.map(|cell| self.point(cell).into_iter().collect()),
+        };
+        let asked = Asked {
+            limit: self.limit.as_ref().map(|limit| AskedLimit { of: &limit.of, probability: &limit.targets }),
+            target: (self.target.is_some() || self.operating_point.is_some()).then_some(target),
+        };
+        let texts = [toml::to_string(&spec), toml::to_string(&asked)].map(Result::unwrap_or_default);
+        texts.into_iter().filter(|text| !text.is_empty()).collect::<Vec<_>>().join("\n")
     }
 
     /// The spec of the job with everything that its result depends on.
@@ -131,7 +185,7 @@ mod tests {
     use std::fs;
     use std::path::Path;
 
-    use crate::job::JobSource;
+    use crate::job::{Job, JobSource};
 
     #[test]
     #[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
@@ -152,6 +206,13 @@ mod tests {
             let again = JobSource { path: beside.join("normalised.toml"), text: text.clone() }.job().unwrap();
             assert_eq!(again.hash(), job.hash(), "{}", path.display());
             assert_eq!(again.normalised(), text, "{}", path.display());
+            let text = job.with_all_keys();
+            let again = JobSource { path: beside.join("all.toml"), text: text.clone() }.job().unwrap();
+            assert_eq!(again.hash(), job.hash(), "{}", path.display());
+            let asked = |job: &Job| (job.limit.clone(), job.target, job.operating_point);
+            assert_eq!(asked(&again), asked(&job), "{}", path.display());
+            assert_eq!(again.with_all_keys(), text, "{}", path.display());
+            assert!(text.contains("outside_physics = "), "{text}");
             count += 1;
         }
         assert!(count > 20);

@@ -120,7 +120,14 @@ impl KnownCell {
         let below = format!("Target P < {} %", rounded(100.0 * target));
         let number = |value: f64| probability_beside(value, Some(target));
         match self.is_met(job, target) {
-            Some(true) => format!("{below}: met, P is at most {}.", number(high)),
+            Some(true) => {
+                let outside = self.share_outside();
+                let but = match outside > target {
+                    true => format!("; but {} of the samples are outside the model, more than that", share(outside)),
+                    false => String::new(),
+                };
+                format!("{below}: met, P is at most {}{but}.", number(high))
+            }
             Some(false) => format!("{below}: not met, P is at least {}.", number(low)),
             None if self.is_doubtful() => format!("{below}: open, as this result is not to be trusted."),
             None if known.is_none() => format!("{below}: open, as P is not known."),
@@ -129,6 +136,11 @@ impl KnownCell {
             }
             None => format!("{below}: open, P may be below it and above it."),
         }
+    }
+
+    /// The share of the samples that lie outside the model.
+    fn share_outside(&self) -> f64 {
+        self.outside as f64 / self.samples.max(1) as f64
     }
 
     fn rests_on(&self, job: &Job) -> String {
@@ -146,7 +158,7 @@ impl KnownCell {
             text += &format!("; {samples} undecided or failed");
         }
         if self.outside > 0 {
-            text += &format!("; {} outside the model", share(self.outside as f64 / self.samples.max(1) as f64));
+            text += &format!("; {} outside the model", share(self.share_outside()));
         }
         if let Some(unaudited) = self.unaudited {
             text += &format!("; by the audit at most {} of the verdicts of the map are wrong", share(unaudited));
@@ -219,6 +231,10 @@ mod tests {
         let open = "Target P < 5 %: open, P may be below it and above it; take more samples.";
         assert_eq!(said(known(Some(0.05), 0.04, 0.06)), open);
         assert_eq!(said(known(Some(0.02), 0.0, 0.05)), open, "the upper end is not below it");
+        assert_eq!(
+            said(KnownCell { outside: 4000, ..known(Some(0.02), 0.0, 0.0449) }),
+            "Target P < 5 %: met, P is at most 0.0449; but 20.00 % of the samples are outside the model, more than that."
+        );
         let unknown = said(known(None, 0.0, 0.01));
         assert_eq!(unknown, "Target P < 5 %: open, as P is not known.", "what is not known meets no target");
         let exact = known(Some(0.05), 0.04, 0.06).sentences(&job("method = \"exact\""), 1);

@@ -260,7 +260,7 @@ fn computed(run: &ReportedRun, has_name: bool) -> String {
         "{}{}<details class=\"printed\"><summary>The job with every default filled in</summary>{}</details>",
         heading(run, has_name),
         listed(&entries),
-        element("pre", "", &job.normalised())
+        element("pre", "", &job.with_all_keys())
     )
 }
 
