@@ -369,6 +369,16 @@ fn check_predicts_the_time_of_a_run_with_every_method() {
         let said = place.run("check job.toml --threads 1").done().stdout;
         assert!(!said.contains("at least") && said.contains(" on 1 thread"), "{said}");
     }
+    // Limits take longer than the surface: the probability is estimated at more values.
+    let model = pad.replace("[random]", "[axes]\npreload = [0.05, 0.3]\n[random]");
+    let job = format!("name = \"job\"\n{model}[sampling]\nmethod = \"conditional\"\nsamples = 256\n");
+    let [alone, with_limits] = ["", "[limit]\nof = \"preload\"\nprobability = 0.01\n"].map(|limit| {
+        place.write("job.toml", &format!("{job}{limit}"));
+        let said = place.run("check job.toml --threads 1 --json").done().stdout;
+        let said: serde_json::Value = serde_json::from_str(&said).unwrap();
+        said["seconds"].as_f64().unwrap() - said["seconds_of_set_up"].as_f64().unwrap()
+    });
+    assert!(with_limits > 2.0 * alone, "{with_limits} {alone}");
 }
 
 #[test]
@@ -386,6 +396,10 @@ fn shipped_jobs_are_checked_without_a_warning_and_run() {
         let costs = ["samples/s on one, measured now", "# no samples: ", "in a time that is not known"];
         assert!(costs.iter().any(|cost| checked.stdout.contains(cost)), "{}", checked.stdout);
         let name = path.file_stem().unwrap().to_str().unwrap();
+        if name == "mission" && !checked.stdout.contains("in a time that is not known") {
+            let limits = " more for the limits of preload in 5 combinations";
+            assert!(checked.stdout.contains(limits), "{}", checked.stdout);
+        }
         let samples = match name {
             // They take half a minute: see `tests/numbers/matrices.rs`, and below.
             "tu-brake" | "mission" => continue,

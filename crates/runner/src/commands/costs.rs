@@ -5,9 +5,10 @@ use std::time::Instant;
 use indicatif::HumanCount;
 
 use crate::evaluate::evaluator::Evaluator;
+use crate::evaluate::limits::expected_estimates;
 use crate::evaluate::parts::Parts;
 use crate::failure::Failure;
-use crate::job::{Job, MapUse};
+use crate::job::{Job, LimitAxis, LimitMethod, MapUse};
 use crate::output::{counted, rate};
 use crate::schedule::cost::{Time, Unmeasured};
 use crate::schedule::engine::Engine;
@@ -103,8 +104,9 @@ impl Stage<'_> {
         };
         let set_up = self.preparation + trial.cost.set_ups(evaluator.set_ups(), self.threads);
         let time = Time::known(set_up) + self.time_of(&trial) + beside;
-        let text = format!("# {}\n", self.line(&trial, time));
-        Ok(Cost::known(text, time, set_up, Some([trial.cost.unit, trial.cost.error])))
+        let (limits, line) = self.limits(trial.time(self.job.sampling.samples, 1, 1));
+        let text = format!("# {}\n{line}", self.line(&trial, time));
+        Ok(Cost::known(text, time + limits, set_up, Some([trial.cost.unit, trial.cost.error])))
     }
 
     /// The cost of integrals without verdict maps, with the plain samples beside them.
@@ -119,8 +121,9 @@ impl Stage<'_> {
         };
         let set_up = self.preparation + set_ups;
         let time = Time::known(set_up) + trial.cost.units(trial.integrals as f64, 1.0, self.threads) + beside;
-        let text = format!("# {}, {} on {}\n", no_samples(self.job), time.prediction(), self.on());
-        Ok(Cost::known(text, time, set_up, None))
+        let (limits, line) = self.limits(trial.cost.units(1.0, 1.0, 1));
+        let text = format!("# {}, {} on {}\n{line}", no_samples(self.job), time.prediction(), self.on());
+        Ok(Cost::known(text, time + limits, set_up, None))
     }
 
     /// The cost of verdict maps, estimated from some of their tiles, and whether the samples cost less.
@@ -184,6 +187,22 @@ impl Stage<'_> {
             (trial.time(samples, self.job.cells(), self.threads), set_ups)
         };
         Ok(trial.map(time))
+    }
+
+    /// How long the limits take that the job asks for, where a cell takes this time on one thread, and a line that says so.
+    fn limits(&self, cell: Time) -> (Time, String) {
+        let (job, none) = (self.job, (Time::default(), String::new()));
+        let Some(request) = &job.limit else { return none };
+        let Ok(axis) = LimitAxis::named(job, &request.of) else { return none };
+        let Ok(method) = LimitMethod::for_axis(job, &axis) else { return none };
+        let combinations = axis.combinations(job).len();
+        // A thread searches a whole combination.
+        let of_a_thread = combinations.div_ceil(self.threads) as f64;
+        let cells = of_a_thread * expected_estimates(job, &axis, method, request.targets.len());
+        let time = Time { seconds: cells * cell.seconds, error: cells * cell.error };
+        let what = counted(combinations as u128, "combination", "combinations");
+        let line = format!("# {} more for the limits of {} in {what}\n", time.prediction(), request.of);
+        (time, line)
     }
 
     fn time_of(&self, trial: &SampleTrial) -> Time {

@@ -36,6 +36,9 @@ const CHANGES: usize = 1024;
 /// To which part of itself a limit is located: of a probability that takes little to compute, and of others.
 const TOLERANCES: [f64; 2] = [1e-12, 1e-9];
 
+/// Estimates about a limit and both ends of its interval, besides those of the scan: 6 to 17 are usual.
+const ESTIMATES: f64 = 12.0;
+
 /// A search for limits along an axis of a job.
 pub struct LimitSearch<'a> {
     pub job: &'a Job,
@@ -60,6 +63,21 @@ pub fn scanned(axis: &LimitAxis, method: LimitMethod) -> Option<Vec<f64>> {
         LimitMethod::CriticalValues(_) => return None,
     };
     Some(scanned_values(&axis.values, intervals))
+}
+
+/// At about how many values of the axis the probability is estimated in a combination, each in the time of a cell, for so
+/// many targets that it passes once each.
+pub fn expected_estimates(job: &Job, axis: &LimitAxis, method: LimitMethod, targets: usize) -> f64 {
+    match method {
+        LimitMethod::Integral | LimitMethod::MapIntegral => 0.0,
+        LimitMethod::CriticalValues(_) => 1.0,
+        // Its values are found once, whatever is expected of it.
+        LimitMethod::OneInput if job.integrated() == Some(axis.quantity) => 1.0,
+        LimitMethod::OneInput | LimitMethod::Samples | LimitMethod::WeightedSamples => {
+            let scanned = scanned(axis, method).map_or(0, |values| values.len());
+            scanned as f64 + ESTIMATES * targets as f64
+        }
+    }
 }
 
 impl LimitSearch<'_> {

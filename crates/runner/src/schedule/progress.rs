@@ -162,6 +162,8 @@ impl Progress {
         let step = if self.step.is_empty() { String::new() } else { format!(" for {}", self.step) };
         match self.time_left() {
             _ if self.done >= self.total && self.kind == Total::Known => "finishing".to_owned(),
+            // More than was predicted.
+            _ if self.done >= self.total => "the time left is not known".to_owned(),
             Prediction::Unknown => "estimating the time left".to_owned(),
             known if known.seconds().is_some_and(|seconds| seconds < 1.0) => {
                 format!("less than a second left{step}")

@@ -9,7 +9,7 @@ use stickslip_sampler::integrate::verdict_map::MapRegions;
 
 use super::report::{Found, Row};
 use crate::evaluate::evaluator::Evaluator;
-use crate::evaluate::limits::{LimitSearch, scanned};
+use crate::evaluate::limits::{LimitSearch, expected_estimates, scanned};
 use crate::evaluate::limits_found::{CombinationLimits, Ended};
 use crate::evaluate::remembering::Keeper;
 use crate::failure::{Advice, Failure};
@@ -74,11 +74,11 @@ impl<'a> Wanted<'a> {
         let confidence = self.confidence().unwrap_or(f64::NAN);
         let search = LimitSearch { job, axis, method, confidence, regions: &regions, keeper, estimated: &estimated };
         let count = combinations.len() as u64;
-        // Between the values of a scan a search estimates at further ones.
         let steps = match scanned(axis, method) {
             Some(values) => {
-                let total = count * values.len() as u64;
-                Steps { done: &estimated, total, total_is: Total::AtLeast, unit: "values of the axis" }
+                let expected = expected_estimates(job, axis, method, targets.len()) as u64;
+                let total = count * expected.max(values.len() as u64);
+                Steps { done: &estimated, total, total_is: Total::Expected, unit: "values of the axis" }
             }
             None => Steps { done: &finished, total: count, total_is: Total::Known, unit: "combinations" },
         };
