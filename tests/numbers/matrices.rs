@@ -404,6 +404,33 @@ fn the_full_matrices_of_a_brake_give_its_probability_and_reduced_ones_nearly() {
 }
 
 #[test]
+fn reduced_matrices_that_decide_otherwise_end_with_the_code_of_an_audit() {
+    let place = Place::new();
+    let reduction =
+        "[model.reduction]\ndegrees_of_freedom = 4000\naudited = 20\ndiffered = 7\ndamping_ratio_difference = 0.08\n";
+    let job = two_masses("", &format!("{reduction}{SCATTER}{CRITERION}[sampling]\nmethod = \"exact\"\n"));
+    let asked = "[axes]\nfriction = [0.3, 0.5]\n[limit]\nof = \"friction\"\nprobability = 0.01\n[target]\nprobability = 0.1\nat = { friction = 0.5 }\n";
+    place.write("reduced.toml", &format!("{job}{asked}"));
+    let why = "7 of 20 verdicts differ on the full matrices; reduce them with more --vectors";
+    let failed = place.run("submit reduced.toml").refused(70, &["its matrices are reduced", why]);
+    for words in [
+        "Target P < 10 %: open, as verdicts differ on the full matrices.",
+        "no region of more than",
+        "was missed by the reduced matrices",
+    ] {
+        assert!(failed.stdout.contains(words), "{}", failed.stdout);
+    }
+    assert!(place.path("runs/two/surface.parquet").exists() && place.path("runs/two/limits.parquet").exists());
+    let said = place.run("submit reduced.toml --json").refused(70, &[why]).stdout;
+    let said: serde_json::Value = serde_json::from_str(&said).unwrap();
+    assert!(said["decision"]["met"].is_null(), "{said}");
+    place.run("limit reduced.toml").refused(70, &["the matrices are reduced", why]);
+    let sound = format!("{job}{asked}").replace("differed = 7", "differed = 0").replace("\"two\"", "\"sound\"");
+    place.write("sound.toml", &sound);
+    assert!(place.run("submit sound.toml").done().stdout.contains("Target P < 10 %: met"));
+}
+
+#[test]
 fn a_reduction_replaces_no_file() {
     let place = Place::new();
     place.write("job.toml", &two_masses("", &format!("{SCATTER}{CRITERION}frequency = [0.01, 10.0]\n")));

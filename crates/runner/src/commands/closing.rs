@@ -10,6 +10,7 @@ use stickslip_sampler::estimate::interval::Estimate;
 
 use crate::evaluate::sums::Lookups;
 use crate::failure::Failure;
+use crate::job::reduction::Reduction;
 use crate::job::{Answer, Computed, Job, MapUse};
 use crate::output::{counted, result, shown, wrapped};
 use crate::picture::answer::answer;
@@ -102,6 +103,10 @@ fn judged(directory: &RunDirectory, job: &Job, summary: &Summary, limits: Option
             counted(job.cells().into(), "cell", "cells"),
             job.sampling.method.asked(),
         )));
+    }
+    if let Some(why) = job.reduction().and_then(Reduction::contradiction) {
+        let surface = directory.surface();
+        return Err(Failure::Audit(format!("{}: its matrices are reduced, and {why}", surface.display())));
     }
     let Lookups { audited, differed, .. } = summary.lookups;
     if differed == 0 {
@@ -206,10 +211,11 @@ fn excluded(job: &Job, summary: &Summary) -> String {
     }
     let [where_, of] = if job.cells() == 1 { ["the probability", ""] } else { ["the probabilities", " of a cell"] };
     format!(
-        "{} beside {where_} ({} unstable): no region of more than {:.1e}{of} was missed\n",
+        "{} beside {where_} ({} unstable): no region of more than {:.1e}{of} was missed{}\n",
         counted(decided.into(), "plain sample", "plain samples"),
         HumanCount(unstable),
-        summary.missed
+        summary.missed,
+        if job.reduction().is_some() { " by the reduced matrices" } else { "" }
     )
 }
 

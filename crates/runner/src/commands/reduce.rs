@@ -316,13 +316,15 @@ impl Audit {
     }
 
     fn found(self, degrees_of_freedom: usize) -> Reduction {
+        let mut missing: Vec<f64> = self.missing.iter().filter_map(|frequency| frequency.parse().ok()).collect();
+        missing.sort_by(f64::total_cmp);
         Reduction {
             degrees_of_freedom: degrees_of_freedom as u64,
             audited: self.samples,
             differed: self.different,
             // To two digits.
             damping_ratio_difference: format!("{:.1e}", self.difference).parse().unwrap_or(self.difference),
-            missing: self.missing.iter().filter_map(|frequency| frequency.parse().ok()).collect(),
+            missing,
         }
     }
 }

@@ -86,13 +86,18 @@ impl Reduction {
                 self.listed()
             ));
         }
-        if self.differed > 0 {
-            warnings.push(format!(
+        warnings.extend(self.contradiction());
+        warnings
+    }
+
+    /// What is said where the audit found other verdicts on the full matrices.
+    pub fn contradiction(&self) -> Option<String> {
+        (self.differed > 0).then(|| {
+            format!(
                 "{} of {} verdicts differ on the full matrices; reduce them with more --vectors, or submit the job that was reduced with criterion.matrices = \"full\"",
                 self.differed, self.audited
-            ));
-        }
-        warnings
+            )
+        })
     }
 
     fn listed(&self) -> String {

@@ -137,10 +137,10 @@ fn sparse(archive: &mut Archive<'_>) -> Result<ReadMatrix, Problem> {
             let rows = archive.list("indices", most, index)?;
             from_columns(size, starts, rows, archive.list("data", most, Ok)?)?
         }
-        "csr" => by_rows(archive, size, None)?.into_matrix(size, Symmetry::None)?,
+        "csr" => by_rows(archive, size, Blocks::ENTRIES)?.into_matrix(size, Symmetry::None)?,
         "bsr" => {
-            let blocks = block(archive)?;
-            by_rows(archive, size, Some(blocks))?.into_matrix(size, Symmetry::None)?
+            let blocks = blocks(archive)?;
+            by_rows(archive, size, blocks)?.into_matrix(size, Symmetry::None)?
         }
         "coo" => coordinates(archive, size)?.into_matrix(size, Symmetry::None)?,
         "dia" => diagonals(archive, size)?.into_matrix(size, Symmetry::None)?,
@@ -159,22 +159,46 @@ fn starts(archive: &mut Archive<'_>, count: usize) -> Result<Vec<usize>, Problem
     archive.list("indptr", count as u64 + 1, |value| index(value).map(|start| start as usize))
 }
 
-/// The size of the blocks: `data` has so many of them.
-fn block(archive: &mut Archive<'_>) -> Result<[usize; 2], Problem> {
+/// How `data` holds blocks of entries.
+#[derive(Clone, Copy)]
+struct Blocks {
+    count: usize,
+    height: usize,
+    width: usize,
+    /// Whether the first index changes fastest, not the last one.
+    is_by_columns: bool,
+}
+
+impl Blocks {
+    /// Every entry is one.
+    const ENTRIES: Self = Self { count: 1, height: 1, width: 1, is_by_columns: false };
+
+    /// The block of a number of `data`, and the row and column in it.
+    fn place(&self, at: usize) -> [usize; 3] {
+        let Self { count, height, width, is_by_columns } = *self;
+        if is_by_columns {
+            [at % count, at / count % height, at / count / height]
+        } else {
+            [at / width / height, at / width % height, at % width]
+        }
+    }
+}
+
+fn blocks(archive: &mut Archive<'_>) -> Result<Blocks, Problem> {
     let header = archive.header("data")?;
+    let is_by_columns = header.is_by_columns;
     match header.shape[..] {
-        [_, height, width]
-            if height > 0 && width > 0 && !header.is_by_columns && header.count() <= MOST_ENTRIES as u64 =>
-        {
-            Ok([height as usize, width as usize])
+        [count, height, width] if height > 0 && width > 0 && header.count() <= MOST_ENTRIES as u64 => {
+            let [count, height, width] = [count.max(1), height, width].map(|size| size as usize);
+            Ok(Blocks { count, height, width, is_by_columns })
         }
         _ => Err(Problem::new(format!("the blocks have the shape {:?}; the file is damaged", header.shape))),
     }
 }
 
 /// Entries row by row, or blocks of entries.
-fn by_rows(archive: &mut Archive<'_>, size: usize, block: Option<[usize; 2]>) -> Result<Entries, Problem> {
-    let [height, width] = block.unwrap_or([1, 1]);
+fn by_rows(archive: &mut Archive<'_>, size: usize, blocks: Blocks) -> Result<Entries, Problem> {
+    let Blocks { height, width, .. } = blocks;
     let rows = size.div_ceil(height);
     let starts = starts(archive, rows)?;
     let most = archive.most_entries(size);
@@ -187,24 +211,19 @@ fn by_rows(archive: &mut Archive<'_>, size: usize, block: Option<[usize; 2]>) ->
         )));
     }
     let mut entries = Entries::at_most(most);
-    let (mut at, mut row) = (0, 0);
+    let mut at = 0;
     let last = starts[rows].saturating_mul(per_block);
     archive.numbers("data", MOST_ENTRIES as u64, |value| {
-        if at >= last {
-            return Ok(());
-        }
-        let (number, inside) = (at / per_block, at % per_block);
-        while starts[row + 1] <= number {
-            row += 1;
-        }
+        let [number, inside_row, inside_column] = blocks.place(at);
         at += 1;
-        if value != 0.0 {
+        if value != 0.0 && number < starts[rows] {
+            let row = starts.partition_point(|start| *start <= number) - 1;
             let place = |block: usize, length: usize, inside: usize| {
                 let place = block.checked_mul(length).and_then(|start| start.checked_add(inside));
                 place.and_then(|place| u32::try_from(place).ok()).unwrap_or(u32::MAX)
             };
-            let column = place(columns[number] as usize, width, inside % width);
-            entries.push(place(row, height, inside / width), column, value)?;
+            let column = place(columns[number] as usize, width, inside_column);
+            entries.push(place(row, height, inside_row), column, value)?;
         }
         Ok(())
     })?;
@@ -253,7 +272,7 @@ fn diagonals(archive: &mut Archive<'_>, size: usize) -> Result<Entries, Problem>
     let offsets = archive.list("offsets", (2 * size as u64).min(most as u64), Ok)?;
     let header = archive.header("data")?;
     let long = match header.shape[..] {
-        [count, long] if count == offsets.len() as u64 && !header.is_by_columns => long.max(1) as usize,
+        [count, long] if count == offsets.len() as u64 => long.max(1) as usize,
         _ => {
             return Err(Problem::new(format!(
                 "the {} diagonals have the shape {:?}; the file is damaged",
@@ -265,9 +284,12 @@ fn diagonals(archive: &mut Archive<'_>, size: usize) -> Result<Entries, Problem>
     let mut entries = Entries::at_most(most);
     let mut at = 0;
     archive.numbers("data", MOST_ENTRIES as u64, |value| {
-        let (offset, column) = (offsets.get(at / long), at % long);
+        let (diagonal, column) = match header.is_by_columns {
+            true => (at % offsets.len().max(1), at / offsets.len().max(1)),
+            false => (at / long, at % long),
+        };
         at += 1;
-        let row = offset.map_or(f64::NAN, |offset| column as f64 - offset);
+        let row = offsets.get(diagonal).map_or(f64::NAN, |offset| column as f64 - offset);
         if value != 0.0 && column < size && row >= 0.0 && row < size as f64 {
             entries.push(index(row)?, column as u32, value)?;
         }

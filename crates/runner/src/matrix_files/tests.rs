@@ -527,6 +527,30 @@ fn sparse(format: &str, arrays: &[(&'static str, Vec<u8>)]) -> Vec<u8> {
 }
 
 #[test]
+fn diagonals_and_blocks_are_read_in_either_order() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("m.npz");
+    let data =
+        |is_by_columns: bool, shape: &str, numbers: &[u8]| ("data.npy", array("|u1", is_by_columns, shape, numbers));
+    for (is_by_columns, of_diagonals, of_blocks) in
+        [(false, [1, 2, 3, 9, 4, 5], [1, 2, 3, 4, 5, 6]), (true, [1, 9, 2, 4, 3, 5], [1, 4, 2, 5, 3, 6])]
+    {
+        let diagonals = [("offsets.npy", bytes(&[0, 1])), data(is_by_columns, "(2, 3)", &of_diagonals)];
+        fs::write(&path, sparse("dia", &diagonals)).unwrap();
+        let expected = vec![vec![1.0, 4.0, 0.0], vec![0.0, 2.0, 5.0], vec![0.0, 0.0, 3.0]];
+        assert_eq!(dense(&read(&path, None).unwrap()), expected, "{is_by_columns}");
+        let blocks = [
+            ("indptr.npy", bytes(&[0, 2])),
+            ("indices.npy", bytes(&[0, 2])),
+            data(is_by_columns, "(2, 3, 1)", &of_blocks),
+        ];
+        fs::write(&path, sparse("bsr", &blocks)).unwrap();
+        let expected = vec![vec![1.0, 0.0, 4.0], vec![2.0, 0.0, 5.0], vec![3.0, 0.0, 6.0]];
+        assert_eq!(dense(&read(&path, None).unwrap()), expected, "{is_by_columns}");
+    }
+}
+
+#[test]
 fn what_a_small_archive_inflates_to_is_bounded() {
     let many = vec![0_u8; 2_000_000];
     let rows = bytes(&[0, 1, 1, 1]);

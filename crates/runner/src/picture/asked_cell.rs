@@ -91,7 +91,7 @@ impl KnownCell {
     /// Whether the probability is surely below a target, or surely not; none if that is open.
     fn is_met(&self, job: &Job, target: f64) -> Option<bool> {
         let Estimate { probability, low, high } = self.estimate;
-        let known = probability?;
+        let known = probability.filter(|_| contradicted(job).is_none())?;
         match job.random.scatters_nothing() {
             true => Some(known < target),
             false if high < target => Some(true),
@@ -129,6 +129,9 @@ impl KnownCell {
                 format!("{below}: met, P is at most {}{but}.", number(high))
             }
             Some(false) => format!("{below}: not met, P is at least {}.", number(low)),
+            None if contradicted(job).is_some() => {
+                format!("{below}: open, as verdicts differ on the full matrices.")
+            }
             None if self.is_doubtful() => format!("{below}: open, as this result is not to be trusted."),
             None if known.is_none() => format!("{below}: open, as P is not known."),
             None if job.draws_samples() => {
@@ -171,8 +174,13 @@ impl KnownCell {
             };
             text += &format!("; {plain} beside it, {} of them unstable, {they}", HumanCount(unstable));
         }
-        text
+        text + &contradicted(job).map_or_else(String::new, |why| format!("; {why}"))
     }
+}
+
+/// Why all probabilities of a job are doubtful, if they are: its matrices are reduced ones that decide otherwise.
+fn contradicted(job: &Job) -> Option<String> {
+    job.reduction()?.contradiction()
 }
 
 #[cfg(test)]

@@ -96,8 +96,8 @@ impl<'a> Covering<'a> {
         Expansion::new(self.problem, self.path, p, step)
     }
 
-    /// The parts of an interval; nothing where it is to be halved.
-    fn parts(&self, ends: [f64; 2], depth: usize) -> Option<Vec<Part>> {
+    /// The parts of an interval; nothing where it is to be halved, which it is also for a crossing that stays wide, if it may be.
+    fn parts(&self, ends: [f64; 2], depth: usize, may_halve: bool) -> Option<Vec<Part>> {
         if self.problem.size() == 0 {
             return Some(vec![Part { ends, is_unstable: Some(false) }]);
         }
@@ -135,7 +135,11 @@ impl<'a> Covering<'a> {
                 parts.push(Part { ends: [from.0, low], is_unstable });
             }
             let narrower = high - low <= SHRINKS * (ends[1] - ends[0]) && depth < DEEPEST;
-            let inner = if hole.is_rounding || !narrower { None } else { self.parts([low, high], depth + 1) };
+            let inner =
+                if hole.is_rounding || !narrower { None } else { self.parts([low, high], depth + 1, may_halve) };
+            if inner.is_none() && may_halve && !hole.is_rounding && !self.is_rounding([low, high]) {
+                return None;
+            }
             parts.extend(inner.unwrap_or_else(|| vec![Part { ends: [low, high], is_unstable: None }]));
             from = (high, hole.within[1]);
         }
@@ -339,7 +343,7 @@ fn crossing(discs: &Discs, eigenvalue: &Seen, index: usize, radius: f64) -> Opti
 
 impl Intervals for Covering<'_> {
     fn unstable(&mut self, ends: [f64; 2], may_halve: bool) -> Result<OnInterval, Error> {
-        match self.parts(ends, 0) {
+        match self.parts(ends, 0, may_halve) {
             Some(parts) => Ok(Some(unstable(&parts))),
             None if may_halve && !self.is_rounding(ends) => Ok(None),
             None => Ok(Some(UnstableValues { surely: Vec::new(), possibly: vec![ends] })),

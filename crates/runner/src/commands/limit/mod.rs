@@ -52,7 +52,8 @@ pub fn limit(arguments: &LimitArguments, interrupt: &Interrupt) -> Result<(), Fa
         announce(Code::FileWritten, format_args!("{}: {} rows", out.display(), HumanCount(found.rows.len() as u64)));
     }
     result(&if *json { format!("{:#}\n", found.json()) } else { found.text() })?;
-    found.contradiction().map_or(Ok(()), |why| Err(Failure::Audit(why)))
+    let of_reduction = || job.reduction()?.contradiction().map(|why| format!("the matrices are reduced, and {why}"));
+    found.contradiction().or_else(of_reduction).map_or(Ok(()), |why| Err(Failure::Audit(why)))
 }
 
 /// The name of the axis and the targets: those of the options, or of the table `[limit]`.

@@ -255,7 +255,8 @@ impl Found<'_> {
         };
         let all = self.rows.iter().flat_map(Row::places).flatten();
         let most = all.map(|place| missed(&place)).fold(0.0, f64::max);
-        Some(format!("{beside}: no region of more than {most:.1e} was missed there."))
+        let by = if self.job.reduction().is_some() { " by the reduced matrices" } else { "" };
+        Some(format!("{beside}: no region of more than {most:.1e} was missed there{by}."))
     }
 
     /// The rows that plain samples contradict.

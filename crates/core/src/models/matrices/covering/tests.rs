@@ -38,6 +38,29 @@ fn a_soft_mode_diverges_where_its_stiffness_ends_however_stiff_others_are() {
     }
 }
 
+/// Between these ends a crossing is found, but its interval is not settled as a whole: it is halved.
+#[test]
+fn a_crossing_whose_interval_stays_wide_is_looked_at_in_parts() {
+    let mass = dmatrix![0.445_103_723_763_575_27, 0.0; 0.0, 0.424_967_887_051_631_47];
+    let damping =
+        [dmatrix![367.794_425_117_017_4, 96.618_154_079_217_89; 96.618_154_079_217_87, 254.926_342_953_977_44]];
+    let stiffness = [
+        dmatrix![5_054_716.183_015_271, 0.0; 0.0, 8_597_001.835_334_135],
+        dmatrix![0.0, 0.0; 0.0, 4_906_750.966_291_885],
+    ];
+    let problem = DenseQuadratic::new(&mass, &damping, &stiffness, &[1.0, 1.0, -1.75]).unwrap();
+    let path = Line { from: vec![1.0, 1.0, 0.0], direction: vec![0.0, 0.0, -1.0] };
+    let places = [1.751_510_191_321_623_3, 1.752_679_624_215_062_6];
+    let intervals: &mut dyn Intervals = &mut Covering::new(&problem, &path, &ALL);
+    let found = intervals.unstable_values(&places, STEPS, &NoMemory).unwrap();
+    let ([surely], [possibly]) = (&found.surely[..], &found.possibly[..]) else { panic!("{found:?}") };
+    // It diverges where the second stiffness ends.
+    let expected = 8_597_001.835_334_135 / 4_906_750.966_291_885;
+    for ends in [surely, possibly] {
+        assert!((ends[0] - expected).abs() < 1e-9 && ends[1] == places[1], "{found:?}");
+    }
+}
+
 /// Masses that dampers alone hold in one direction: its eigenvalue is zero, not what rounding makes of it.
 #[test]
 fn a_motion_that_dampers_alone_hold_is_never_unstable() {

@@ -203,11 +203,16 @@ pub fn warnings(model: &MatrixModel, modes: &[Mode]) -> Vec<String> {
             "nothing oscillates in the expected brake: all eigenvalues are real, as damping is beyond its critical value everywhere"
                 .to_owned(),
         );
-    } else if !modes.iter().any(|mode| mode.frequency > 0.0 && in_band(model, mode)) {
+    } else if has_band(model) && !modes.iter().any(|mode| mode.frequency > 0.0 && in_band(model, mode)) {
         warnings
             .push("the expected brake has no mode in the band of frequencies (Hz): are the units right?".to_owned());
     }
     warnings
+}
+
+/// Whether any frequency is left out.
+fn has_band(model: &MatrixModel) -> bool {
+    model.regions().iter().all(|region| region.lowest > 0.0 || region.highest.is_finite())
 }
 
 /// What is said of motions of the expected brake that grow outside of the bands, which no verdict counts.
