@@ -3,7 +3,7 @@
 use super::branches::Path;
 use super::discs::{Discs, Expansion, SHARE};
 use super::error::Error;
-use super::quadratic::DenseQuadratic;
+use super::quadratic::{DenseQuadratic, Mirrored};
 use super::region::{RESOLUTION, Region};
 use super::sweep::{Intervals, middle};
 use crate::model::critical_values::{OnInterval, UnstableValues};
@@ -36,8 +36,7 @@ pub(super) struct Covering<'a> {
     region: &'a Region,
     /// How many eigenvalues are zero, whatever the parameter.
     zeros: usize,
-    /// Whether the spectrum is its own mirror image at the imaginary axis, whatever the parameter.
-    is_mirrored: bool,
+    mirrored: Mirrored,
 }
 
 /// What discs say of an interval.
@@ -89,7 +88,7 @@ struct Seen {
 
 impl<'a> Covering<'a> {
     pub(super) fn new(problem: &'a DenseQuadratic, path: &'a dyn Path, region: &'a Region) -> Self {
-        Self { problem, path, region, zeros: problem.zeros(), is_mirrored: problem.is_mirrored() }
+        Self { problem, path, region, zeros: problem.zeros(), mirrored: problem.mirrored() }
     }
 
     fn expansion(&self, p: f64, step: f64) -> Option<Expansion> {
@@ -223,7 +222,13 @@ impl<'a> Covering<'a> {
         };
         // It is its own mirror image in the middle and never meets another one. Other discs keep away from the centre, and zero does not.
         let is_exact = isolated.is_some_and(|isolated| {
-            let is_on_axis = self.is_mirrored && damping_ratio <= 0.0 && isolated.cluster == 1;
+            let is_mirrored = match self.mirrored {
+                Mirrored::Surely => true,
+                // It is nearer to the axis than what counts: its conjugate is twice its frequency away, or less.
+                Mirrored::ButForRounding => ROUNDED * discs.rounding[index] < 0.5 * isolated.gap * RESOLUTION,
+                Mirrored::No => false,
+            };
+            let is_on_axis = is_mirrored && damping_ratio <= 0.0 && isolated.cluster == 1;
             let is_zero = isolated.cluster <= self.zeros;
             is_on_axis && isolated.radius + 2.0 * re < 0.5 * isolated.gap || is_zero && re + im < SHARE * isolated.gap
         });

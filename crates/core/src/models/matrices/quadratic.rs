@@ -194,17 +194,47 @@ impl DenseQuadratic {
 
     /// Whether with any coefficients each eigenvalue has its mirror image at the imaginary axis: without damping, or with symmetric
     /// stiffness and gyroscopic forces alone.
-    pub(super) fn is_mirrored(&self) -> bool {
+    pub(super) fn mirrored(&self) -> Mirrored {
         let (damping, stiffness) = self.terms.split_at(self.damping_terms);
-        let is_its_transpose_times = |term: &DMatrix<f64>, sign: f64| {
-            term.iter()
-                .zip(term.transpose().iter())
-                .all(|(a, b)| (a - sign * b).abs() <= ROUNDING * (a.abs() + b.abs()))
+        if damping.iter().all(|term| term.amax() == 0.0) {
+            return Mirrored::Surely;
+        }
+        let with = |is: fn(&DMatrix<f64>, f64) -> bool| {
+            damping.iter().all(|term| is(term, -1.0)) && stiffness.iter().all(|term| is(term, 1.0))
         };
-        damping.iter().all(|term| term.amax() == 0.0)
-            || damping.iter().all(|term| is_its_transpose_times(term, -1.0))
-                && stiffness.iter().all(|term| is_its_transpose_times(term, 1.0))
+        if with(is_its_transpose_times) {
+            Mirrored::Surely
+        } else if with(is_nearly_its_transpose_times) {
+            Mirrored::ButForRounding
+        } else {
+            Mirrored::No
+        }
     }
+}
+
+/// Whether a spectrum is its own mirror image at the imaginary axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Mirrored {
+    /// It is, whatever the coefficients.
+    Surely,
+    /// The matrices make it so but for their own rounding, as those do that were turned into other coordinates.
+    ButForRounding,
+    /// It is not.
+    No,
+}
+
+fn is_its_transpose_times(term: &DMatrix<f64>, sign: f64) -> bool {
+    term.iter().zip(term.transpose().iter()).all(|(a, b)| (a - sign * b).abs() <= ROUNDING * (a.abs() + b.abs()))
+}
+
+/// The same but for what rounding makes of the largest entry of a row or column.
+fn is_nearly_its_transpose_times(term: &DMatrix<f64>, sign: f64) -> bool {
+    let size = term.nrows();
+    let largest: Vec<f64> = (0..size).map(|i| term.row(i).amax().max(term.column(i).amax())).collect();
+    let is_rounding = |i: usize, j: usize| {
+        (term[(i, j)] - sign * term[(j, i)]).abs() <= 8.0 * f64::EPSILON * largest[i].min(largest[j])
+    };
+    (0..size).all(|i| (0..=i).all(|j| is_rounding(i, j)))
 }
 
 /// `(lambda^2 + lambda C + K) q = 0`.

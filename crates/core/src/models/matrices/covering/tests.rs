@@ -61,6 +61,44 @@ fn a_crossing_whose_interval_stays_wide_is_looked_at_in_parts() {
     }
 }
 
+/// Gyroscopic forces in other coordinates are skew but for rounding: what they keep stable stays on the imaginary axis, with narrow
+/// intervals, and their flutter is that of all eigenvalues.
+#[test]
+fn gyroscopic_forces_that_are_skew_but_for_rounding_damp_nothing() {
+    let mut unstable_places = 0;
+    for seed in 0..30 {
+        let mut numbers = Numbers(seed);
+        let size = 2 + seed as usize % 4;
+        let mut random = || DMatrix::from_fn(size, size, |_, _| numbers.normal());
+        let [turn, forces, root] = [random(), random(), random()];
+        let turn = DMatrix::identity(size, size) + 0.3 * turn;
+        let skew = turn.transpose() * ((&forces - forces.transpose()) * 3.0) * &turn;
+        // Two directions are held by gyroscopic forces alone.
+        let signs = DMatrix::from_fn(size, size, |i, j| f64::from(u8::from(i == j)) * if i < 2 { -1.0 } else { 2.0 });
+        let stiffness = turn.transpose() * (signs + 0.1 * (&root + root.transpose())) * &turn;
+        let mut noise = || numbers.normal() * f64::EPSILON;
+        let [skew, stiffness] =
+            [skew, stiffness].map(|of| of.map_with_location(|_, _, value: f64| value + of.amax() * 0.2 * noise()));
+        let problem = DenseQuadratic::new(&DMatrix::identity(size, size), &[skew], &[stiffness], &[1.0; 2]).unwrap();
+        assert_eq!(problem.mirrored(), Mirrored::ButForRounding, "{seed}");
+        let path = Line { from: vec![0.0, 1.0], direction: vec![1.0, 0.0] };
+        let found = unstable(&problem, &path, [0.1, 3.0]);
+        let [possibly, surely] =
+            [&found.possibly, &found.surely].map(|set| set.iter().map(|[from, to]| to - from).sum::<f64>());
+        assert!(possibly - surely < 1e-6, "{seed}: {found:?}");
+        for step in 0..58 {
+            let p = 0.1 + 0.05 * f64::from(step);
+            let values = problem.at(&path.coefficients(p)).eigenvalues().unwrap();
+            let contains = |set: &[[f64; 2]]| set.iter().any(|[from, to]| (*from..=*to).contains(&p));
+            let expected = values.iter().any(|value| value.re > 1e-6);
+            unstable_places += usize::from(expected);
+            let is_right = [&found.surely, &found.possibly].into_iter().any(|set| contains(set) == expected);
+            assert!(is_right, "{seed} at {p}: {values:?} {found:?}");
+        }
+    }
+    assert!(unstable_places > 100 && unstable_places < 1600, "{unstable_places}");
+}
+
 /// Masses that dampers alone hold in one direction: its eigenvalue is zero, not what rounding makes of it.
 #[test]
 fn a_motion_that_dampers_alone_hold_is_never_unstable() {
