@@ -85,6 +85,9 @@ fn a_brake_that_is_unstable_outside_of_its_band_is_said_to_be() {
         let quiet = said("[[2, 1], [1, 2]]", friction, band);
         assert!(!quiet.contains("unstable outside"), "{quiet}");
     }
+    // Without a band there are no units to doubt.
+    let all = said("[[-2, 0], [0, -1]]", 0.01, "[0.0, inf]");
+    assert!(!all.contains("are the units right?") && !all.contains("warning"), "{all}");
 }
 
 /// Hulten's brake as Sinou and Jezequel (2007) have it flutters above 0.2893671 with damping of 2 %.
