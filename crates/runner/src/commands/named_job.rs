@@ -31,11 +31,15 @@ pub fn read_job(path: &Path) -> Result<JobSource, Failure> {
     }
 }
 
-/// The beginning of a text that is something else than TOML: a table of data, or matrices. A job with mistakes has tables.
+/// The beginning of a text that is something else than TOML: a table of data, or matrices. A job with mistakes has tables or a
+/// key.
 fn no_toml(text: &str) -> Option<String> {
     let has_tables = text.lines().any(|line| line.trim_start().starts_with('['));
     let first = text.lines().map(str::trim).find(|line| !line.is_empty() && !line.starts_with('#'))?;
-    let is_none = !has_tables && first.parse::<DocumentMut>().is_err() && text.parse::<DocumentMut>().is_err();
+    let is_key = |key: &str| key.chars().all(|c| c.is_alphanumeric() || " _-.\"'".contains(c));
+    let has_key = first.split_once('=').is_some_and(|(key, _)| is_key(key));
+    let is_none =
+        !has_tables && !has_key && first.parse::<DocumentMut>().is_err() && text.parse::<DocumentMut>().is_err();
     is_none.then(|| first.chars().take(40).collect())
 }
 

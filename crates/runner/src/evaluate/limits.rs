@@ -65,8 +65,8 @@ pub fn scanned(axis: &LimitAxis, method: LimitMethod) -> Option<Vec<f64>> {
     Some(scanned_values(&axis.values, intervals))
 }
 
-/// At about how many values of the axis the probability is estimated in a combination, each in the time of a cell, for so
-/// many targets that it passes once each.
+/// At about how many values of the axis the probability is estimated in a combination, each in the time of a cell. It passes
+/// each of so many targets once.
 pub fn expected_estimates(job: &Job, axis: &LimitAxis, method: LimitMethod, targets: usize) -> f64 {
     match method {
         LimitMethod::Integral | LimitMethod::MapIntegral => 0.0,

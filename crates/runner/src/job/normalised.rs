@@ -52,9 +52,7 @@ impl Job {
         let mut spec = self.written_out();
         let (takes, sampling) = (|key: Key| self.sampling.method.takes(key), &self.sampling);
         let if_taken = |key: Key, value: bool| takes(key).then(|| written(value));
-        let interval = || written(sampling.interval.unwrap_or_default());
         spec.sampling = SamplingSpec {
-            interval: takes(Key::Interval).then(interval),
             simultaneous: if_taken(Key::Simultaneous, sampling.simultaneous),
             derivatives: if_taken(Key::Derivatives, sampling.derivatives),
             sensitivity: if_taken(Key::Sensitivity, sampling.sensitivity),
@@ -76,7 +74,8 @@ impl Job {
             limit: self.limit.as_ref().map(|limit| AskedLimit { of: &limit.of, probability: &limit.targets }),
             target: (self.target.is_some() || self.operating_point.is_some()).then_some(target),
         };
-        let texts = [toml::to_string(&spec), toml::to_string(&asked)].map(Result::unwrap_or_default);
+        let texts = [toml::to_string(&spec), toml::to_string(&asked)];
+        let texts = texts.map(|text| text.unwrap_or_else(|error| format!("# not representable: {error}\n")));
         texts.into_iter().filter(|text| !text.is_empty()).collect::<Vec<_>>().join("\n")
     }
 
@@ -216,5 +215,17 @@ mod tests {
             count += 1;
         }
         assert!(count > 20);
+        // Intervals of their own kind, which the key does not name.
+        let first = fs::read_to_string(folder.join("table3.toml")).unwrap();
+        for sampling in ["simultaneous = true", "confidence = 0.99999"] {
+            let text = first.replace("[sampling]", &format!("[sampling]\n{sampling}"));
+            let job = JobSource { text, path: folder.join("interval.toml") }.job().unwrap();
+            let text = job.with_all_keys();
+            assert_eq!(
+                JobSource { text, path: folder.join("all.toml") }.job().unwrap().hash(),
+                job.hash(),
+                "{sampling}"
+            );
+        }
     }
 }

@@ -132,6 +132,10 @@ impl Progress {
     /// How long the rest takes.
     fn time_left(&self) -> Prediction {
         let left = self.total - self.done;
+        // More than was predicted.
+        if left == 0 && self.kind != Total::Known {
+            return Prediction::Unknown;
+        }
         let time = self.meter.time_left(self.started.elapsed().as_secs_f64(), self.done as f64, left as f64);
         if self.kind == Total::AtLeast { time.at_least() } else { time }
     }
@@ -162,8 +166,6 @@ impl Progress {
         let step = if self.step.is_empty() { String::new() } else { format!(" for {}", self.step) };
         match self.time_left() {
             _ if self.done >= self.total && self.kind == Total::Known => "finishing".to_owned(),
-            // More than was predicted.
-            _ if self.done >= self.total => "the time left is not known".to_owned(),
             Prediction::Unknown => "estimating the time left".to_owned(),
             known if known.seconds().is_some_and(|seconds| seconds < 1.0) => {
                 format!("less than a second left{step}")

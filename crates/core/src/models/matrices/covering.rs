@@ -95,7 +95,7 @@ impl<'a> Covering<'a> {
         Expansion::new(self.problem, self.path, p, step)
     }
 
-    /// The parts of an interval; nothing where it is to be halved, which it is also for a crossing that stays wide, if it may be.
+    /// The parts of an interval; nothing where it is to be halved. One that may be is halved where a crossing stays wide, too.
     fn parts(&self, ends: [f64; 2], depth: usize, may_halve: bool) -> Option<Vec<Part>> {
         if self.problem.size() == 0 {
             return Some(vec![Part { ends, is_unstable: Some(false) }]);
@@ -225,7 +225,10 @@ impl<'a> Covering<'a> {
             let is_mirrored = match self.mirrored {
                 Mirrored::Surely => true,
                 // It is nearer to the axis than what counts: its conjugate is twice its frequency away, or less.
-                Mirrored::ButForRounding => ROUNDED * discs.rounding[index] < 0.5 * isolated.gap * RESOLUTION,
+                Mirrored::ButForRounding => {
+                    let off = 2.0 * discs.asymmetry[index] + ROUNDED * discs.rounding[index];
+                    off < 0.5 * isolated.gap * RESOLUTION
+                }
                 Mirrored::No => false,
             };
             let is_on_axis = is_mirrored && damping_ratio <= 0.0 && isolated.cluster == 1;

@@ -38,6 +38,8 @@ pub(super) struct Expansion {
     rest: DMatrix<f64>,
     /// The part of rounding in the rest of each eigenvalue.
     rounding: Vec<f64>,
+    /// How far the symmetric part of C and the skew part of K move each eigenvalue at most, to first order.
+    asymmetry: Vec<f64>,
 }
 
 impl Expansion {
@@ -70,10 +72,18 @@ impl Expansion {
             &left * noise
         };
         let size = |of_term: &[f64; 4]| {
-            let [value, slope, curvature, _] = of_term.map(f64::abs);
-            ROUNDING * (value + step * (slope + step * curvature))
+            let [value, slope, curvature, beyond] = of_term.map(f64::abs);
+            [value + step * (slope + step * curvature), beyond]
         };
-        let mut rest = rest.map(magnitude) + noise(&series.iter().map(size).collect::<Vec<f64>>(), ROUNDING);
+        let sizes: Vec<[f64; 2]> = series.iter().map(size).collect();
+        let [damping, stiffness] = problem.asymmetry(sizes.iter().map(|[size, beyond]| size + beyond));
+        let asymmetry = |i: usize| {
+            let [upper, lower] = [0, coordinates].map(|from| right.column(i).rows(from, coordinates).norm());
+            left.row(i).columns(coordinates, coordinates).norm() * (damping * lower + stiffness * upper)
+        };
+        let asymmetry = (0..right.ncols()).map(asymmetry).collect();
+        let of_rounding: Vec<f64> = sizes.iter().map(|[size, _]| ROUNDING * size).collect();
+        let mut rest = rest.map(magnitude) + noise(&of_rounding, ROUNDING);
         let rounding = rest.diagonal().iter().copied().collect();
         // What the path has beyond its second order.
         let beyond = of_order(3);
@@ -88,6 +98,7 @@ impl Expansion {
             eigenvalues,
             rest,
             rounding,
+            asymmetry,
         })
     }
 
@@ -164,8 +175,8 @@ impl Expansion {
             let [gap, moves @ ..] = [0, 1, 2, 3, 4].map(|order| magnitude(centres[i][order] - centres[j][order]));
             gap - moves.iter().zip(powers).map(|(moved, power)| moved * power).sum::<f64>() - own[i] - own[j]
         });
-        let mut discs =
-            Discs { step, centres, outside, own, apart, rounding: self.rounding.clone(), radii: Vec::new() };
+        let (rounding, asymmetry) = (self.rounding.clone(), self.asymmetry.clone());
+        let mut discs = Discs { step, centres, outside, own, apart, rounding, asymmetry, radii: Vec::new() };
         discs.radii = discs.isolated();
         Some(discs)
     }
@@ -197,6 +208,8 @@ pub(super) struct Discs {
     apart: DMatrix<f64>,
     /// About the part of `own` that does not become smaller with the interval.
     pub(super) rounding: Vec<f64>,
+    /// See [`Expansion`].
+    pub(super) asymmetry: Vec<f64>,
     /// Those that are apart from all others.
     pub(super) radii: Vec<Option<Isolated>>,
 }

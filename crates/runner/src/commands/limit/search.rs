@@ -84,10 +84,11 @@ impl<'a> Wanted<'a> {
         };
         let work = |index: u64, is_stopped: IsStopped<'_>| {
             let cell = combinations[index as usize];
-            let limits = search.limits(cell, targets, is_stopped);
-            finished.fetch_add(1, Ordering::Relaxed);
-            match limits {
-                Ok(limits) => Ok(Some(self.rows(cell, &limits))),
+            match search.limits(cell, targets, is_stopped) {
+                Ok(limits) => {
+                    finished.fetch_add(1, Ordering::Relaxed);
+                    Ok(Some(self.rows(cell, &limits)))
+                }
                 Err(Ended::Stopped) => Ok(None),
                 Err(Ended::Failed(failure)) => Err(failure),
                 Err(Ended::NoSuchConfiguration(value, error)) => Err(self.no_brake(cell, value, &error)),

@@ -1,4 +1,4 @@
-use nalgebra::{DMatrix, dmatrix};
+use nalgebra::{DMatrix, dmatrix, dvector};
 
 use super::*;
 use crate::model::critical_values::{NoMemory, evenly};
@@ -97,6 +97,22 @@ fn gyroscopic_forces_that_are_skew_but_for_rounding_damp_nothing() {
         }
     }
     assert!(unstable_places > 100 && unstable_places < 1600, "{unstable_places}");
+}
+
+/// Negative damping that is small beside gyroscopic forces of another direction is damping all the same.
+#[test]
+fn negative_damping_beside_large_gyroscopic_forces_is_no_rounding() {
+    for (damping, expected) in [(-8e-9, true), (-1e-12, false)] {
+        let damping = dmatrix![damping, 1e7, 0.0; -1e7, 0.0, 0.0; 0.0, 0.0, 0.0];
+        let stiffness =
+            [DMatrix::from_diagonal(&dvector![2.0, 1e16, 9.0]), dmatrix![1.0, 0.0, 0.0; 0.0, 0.0, 0.0; 0.0, 0.0, 0.0]];
+        let problem = DenseQuadratic::new(&DMatrix::identity(3, 3), &[damping], &stiffness, &[1.0; 3]).unwrap();
+        assert_eq!(problem.mirrored(), Mirrored::ButForRounding);
+        let path = Line { from: vec![1.0, 1.0, 0.0], direction: vec![0.0, 0.0, 1.0] };
+        let found = unstable(&problem, &path, [0.1, 1.0]);
+        let whole = if expected { vec![[0.1, 1.0]] } else { Vec::new() };
+        assert_eq!(found.possibly, whole, "{found:?}");
+    }
 }
 
 /// Masses that dampers alone hold in one direction: its eigenvalue is zero, not what rounding makes of it.

@@ -210,7 +210,7 @@ pub fn warnings(model: &MatrixModel, modes: &[Mode]) -> Vec<String> {
     warnings
 }
 
-/// Whether any frequency is left out.
+/// Whether every band leaves frequencies out.
 fn has_band(model: &MatrixModel) -> bool {
     model.regions().iter().all(|region| region.lowest > 0.0 || region.highest.is_finite())
 }
