@@ -237,6 +237,12 @@ fn files_and_directories_that_are_not_what_they_should_be() {
     }
     place.write("binary.toml", "\u{0}\u{1}");
     place.run("submit binary.toml").refused(65, &["binary.toml:1"]);
+    place.write("curve.csv", "# measured\nspeed;coefficient\n0,0;0,4940\n0,05;0,4525\n");
+    let told = place.run("check curve.csv").refused(65, &["curve.csv:2: this is no job", "\"speed;coefficient\""]);
+    assert_eq!(told.stderr.lines().count(), 1, "{}", told.stderr);
+    place.write("dotted.toml", "model = { preset = sui-ding }\ncriterion.kind = \"eigenvalue\"\n");
+    let told = place.run("check dotted.toml").refused(65, &["dotted.toml:1:"]);
+    assert!(!told.stderr.contains("no job"), "{}", told.stderr);
     fs::write(place.path("latin1.toml"), b"name = \"caf\xe9\"").unwrap();
     place.run("submit latin1.toml").refused(74, &["cannot read latin1.toml", "UTF-8"]);
 }

@@ -22,8 +22,8 @@ pub fn read_job(path: &Path) -> Result<JobSource, Failure> {
         None => failure,
     })?;
     match no_toml(&source.text) {
-        Some(line) => Err(Failure::Job(format!(
-            "{} is no job: a job is TOML, with tables such as [axes] and [criterion], and this file begins with {line:?}; if it holds data of a job, name it there (`stickslip init --from own-brake` writes a job that names files)",
+        Some((line, beginning)) => Err(Failure::Job(format!(
+            "{}:{line}: this is no job: a job is TOML, with tables such as [axes] and [criterion], and this file begins with {beginning:?}; if it holds data of a job, name it there (`stickslip init --from own-brake` writes a job that names files)",
             path.display()
         ))
         .coded(Code::JobSpec)),
@@ -31,16 +31,17 @@ pub fn read_job(path: &Path) -> Result<JobSource, Failure> {
     }
 }
 
-/// The beginning of a text that is something else than TOML: a table of data, or matrices. A job with mistakes has tables or a
-/// key.
-fn no_toml(text: &str) -> Option<String> {
+/// Where a text begins that is something else than TOML, a table of data or matrices, and how. A job with mistakes has tables
+/// or a key.
+fn no_toml(text: &str) -> Option<(usize, String)> {
     let has_tables = text.lines().any(|line| line.trim_start().starts_with('['));
-    let first = text.lines().map(str::trim).find(|line| !line.is_empty() && !line.starts_with('#'))?;
+    let mut lines = (1..).zip(text.lines().map(str::trim));
+    let (line, first) = lines.find(|(_, line)| !line.is_empty() && !line.starts_with('#'))?;
     let is_key = |key: &str| key.chars().all(|c| c.is_alphanumeric() || " _-.\"'".contains(c));
     let has_key = first.split_once('=').is_some_and(|(key, _)| is_key(key));
     let is_none =
         !has_tables && !has_key && first.parse::<DocumentMut>().is_err() && text.parse::<DocumentMut>().is_err();
-    is_none.then(|| first.chars().take(40).collect())
+    is_none.then(|| (line, first.chars().take(40).collect()))
 }
 
 /// What may have been meant by a path that is no job.

@@ -123,10 +123,10 @@ impl KnownCell {
             Some(true) => {
                 let outside = self.share_outside();
                 let but = match outside > target {
-                    true => format!("; but {} of the samples are outside the model, more than that", share(outside)),
+                    true => format!(" But {} of the samples are outside the model, more than that.", share(outside)),
                     false => String::new(),
                 };
-                format!("{below}: met, P is at most {}{but}.", number(high))
+                format!("{below}: met, P is at most {}.{but}", number(high))
             }
             Some(false) => format!("{below}: not met, P is at least {}.", number(low)),
             None if contradicted(job).is_some() => {
@@ -241,7 +241,7 @@ mod tests {
         assert_eq!(said(known(Some(0.02), 0.0, 0.05)), open, "the upper end is not below it");
         assert_eq!(
             said(KnownCell { outside: 4000, ..known(Some(0.02), 0.0, 0.0449) }),
-            "Target P < 5 %: met, P is at most 0.0449; but 20.00 % of the samples are outside the model, more than that."
+            "Target P < 5 %: met, P is at most 0.0449. But 20.00 % of the samples are outside the model, more than that."
         );
         let unknown = said(known(None, 0.0, 0.01));
         assert_eq!(unknown, "Target P < 5 %: open, as P is not known.", "what is not known meets no target");
