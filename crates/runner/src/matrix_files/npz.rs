@@ -211,13 +211,19 @@ fn by_rows(archive: &mut Archive<'_>, size: usize, blocks: Blocks) -> Result<Ent
         )));
     }
     let mut entries = Entries::at_most(most);
-    let mut at = 0;
+    let (mut at, mut row) = (0, 0);
     let last = starts[rows].saturating_mul(per_block);
     archive.numbers("data", MOST_ENTRIES as u64, |value| {
         let [number, inside_row, inside_column] = blocks.place(at);
         at += 1;
         if value != 0.0 && number < starts[rows] {
-            let row = starts.partition_point(|start| *start <= number) - 1;
+            // Blocks come in rising order, and by columns again and again.
+            if number < starts[row] {
+                row = 0;
+            }
+            while starts[row + 1] <= number {
+                row += 1;
+            }
             let place = |block: usize, length: usize, inside: usize| {
                 let place = block.checked_mul(length).and_then(|start| start.checked_add(inside));
                 place.and_then(|place| u32::try_from(place).ok()).unwrap_or(u32::MAX)

@@ -37,6 +37,8 @@ pub(super) struct Covering<'a> {
     /// How many eigenvalues are zero, whatever the parameter.
     zeros: usize,
     mirrored: Mirrored,
+    /// Of each term; none where they make no difference.
+    asymmetries: Vec<f64>,
 }
 
 /// What discs say of an interval.
@@ -88,11 +90,13 @@ struct Seen {
 
 impl<'a> Covering<'a> {
     pub(super) fn new(problem: &'a DenseQuadratic, path: &'a dyn Path, region: &'a Region) -> Self {
-        Self { problem, path, region, zeros: problem.zeros(), mirrored: problem.mirrored() }
+        let mirrored = problem.mirrored();
+        let asymmetries = if mirrored == Mirrored::ButForRounding { problem.asymmetries() } else { Vec::new() };
+        Self { problem, path, region, zeros: problem.zeros(), mirrored, asymmetries }
     }
 
     fn expansion(&self, p: f64, step: f64) -> Option<Expansion> {
-        Expansion::new(self.problem, self.path, p, step)
+        Expansion::new(self.problem, self.path, (p, step), &self.asymmetries)
     }
 
     /// The parts of an interval; nothing where it is to be halved. One that may be is halved where a crossing stays wide, too.

@@ -43,8 +43,14 @@ pub(super) struct Expansion {
 }
 
 impl Expansion {
-    /// The expansion about `p` for steps up to `step` from there; nothing where there is none.
-    pub(super) fn new(problem: &DenseQuadratic, path: &dyn Path, p: f64, step: f64) -> Option<Self> {
+    /// The expansion about `p` for steps up to `step` from there; nothing where there is none. `asymmetries` are those of the terms
+    /// of the problem, or none where they make no difference.
+    pub(super) fn new(
+        problem: &DenseQuadratic,
+        path: &dyn Path,
+        (p, step): (f64, f64),
+        asymmetries: &[f64],
+    ) -> Option<Self> {
         let series = path.series(p, step);
         if series.iter().flatten().any(|value| !value.is_finite()) {
             return None;
@@ -76,7 +82,11 @@ impl Expansion {
             [value + step * (slope + step * curvature), beyond]
         };
         let sizes: Vec<[f64; 2]> = series.iter().map(size).collect();
-        let [damping, stiffness] = problem.asymmetry(sizes.iter().map(|[size, beyond]| size + beyond));
+        let mut off = [0.0; 2];
+        for (index, (asymmetry, [size, beyond])) in asymmetries.iter().zip(&sizes).enumerate() {
+            off[usize::from(!problem.is_damping(index))] += asymmetry * (size + beyond);
+        }
+        let [damping, stiffness] = off;
         let asymmetry = |i: usize| {
             let [upper, lower] = [0, coordinates].map(|from| right.column(i).rows(from, coordinates).norm());
             left.row(i).columns(coordinates, coordinates).norm() * (damping * lower + stiffness * upper)

@@ -192,14 +192,11 @@ impl DenseQuadratic {
         self.zeros
     }
 
-    /// Bounds of the norms of the symmetric part of C and the skew part of K, with coefficients of these sizes.
-    pub(super) fn asymmetry(&self, sizes: impl Iterator<Item = f64>) -> [f64; 2] {
-        let mut bounds = [0.0; 2];
-        for (index, (term, size)) in self.terms.iter().zip(sizes).enumerate() {
-            let (kind, sign) = if index < self.damping_terms { (0, 1.0) } else { (1, -1.0) };
-            bounds[kind] += 0.5 * size * (term + sign * term.transpose()).norm();
-        }
-        bounds
+    /// Of each term the norm of what keeps the spectrum from being its own mirror image: the symmetric part of C, the skew one of K.
+    pub(super) fn asymmetries(&self) -> Vec<f64> {
+        let sign = |index: usize| if self.is_damping(index) { 1.0 } else { -1.0 };
+        let terms = self.terms.iter().enumerate();
+        terms.map(|(index, term)| 0.5 * (term + sign(index) * term.transpose()).norm()).collect()
     }
 
     /// Whether with any coefficients each eigenvalue has its mirror image at the imaginary axis: without damping, or with symmetric

@@ -17,6 +17,13 @@ fn unstable(problem: &DenseQuadratic, path: &dyn Path, within: [f64; 2]) -> Unst
     intervals.unstable_values(&evenly(within, 9), STEPS, &NoMemory).unwrap()
 }
 
+/// How much of a path is left open.
+fn open(found: &UnstableValues) -> f64 {
+    let [possibly, surely] =
+        [&found.possibly, &found.surely].map(|set| set.iter().map(|[from, to]| to - from).sum::<f64>());
+    possibly - surely
+}
+
 /// `q_1'' + 5 q_1' + (1 - p) q_1 = 0` diverges from p = 1 on, however stiff the other mode is.
 #[test]
 fn a_soft_mode_diverges_where_its_stiffness_ends_however_stiff_others_are() {
@@ -83,9 +90,7 @@ fn gyroscopic_forces_that_are_skew_but_for_rounding_damp_nothing() {
         assert_eq!(problem.mirrored(), Mirrored::ButForRounding, "{seed}");
         let path = Line { from: vec![0.0, 1.0], direction: vec![1.0, 0.0] };
         let found = unstable(&problem, &path, [0.1, 3.0]);
-        let [possibly, surely] =
-            [&found.possibly, &found.surely].map(|set| set.iter().map(|[from, to]| to - from).sum::<f64>());
-        assert!(possibly - surely < 1e-6, "{seed}: {found:?}");
+        assert!(open(&found) < 1e-6, "{seed}: {found:?}");
         for step in 0..58 {
             let p = 0.1 + 0.05 * f64::from(step);
             let values = problem.at(&path.coefficients(p)).eigenvalues().unwrap();
@@ -136,9 +141,7 @@ fn a_motion_that_dampers_alone_hold_is_never_unstable() {
         let path = Line { from: vec![1.0, 1.0, 0.0], direction: vec![0.0, 0.0, 1.0] };
         let found = unstable(&problem, &path, [0.0, 3.0]);
         critical += usize::from(!found.surely.is_empty());
-        let [possibly, surely] =
-            [&found.possibly, &found.surely].map(|set| set.iter().map(|[from, to]| to - from).sum::<f64>());
-        assert!(possibly - surely < 1e-5, "{seed}: {found:?}");
+        assert!(open(&found) < 1e-5, "{seed}: {found:?}");
         for step in 0..=60 {
             let p = 0.05 * f64::from(step);
             let values = problem.at(&path.coefficients(p)).eigenvalues().unwrap();
