@@ -11,13 +11,14 @@ use crate::cli::VerifyArguments;
 use crate::evaluate::maps::Maps;
 use crate::evaluate::parts::Parts;
 use crate::failure::{Advice, Failure};
-use crate::files::folder::{Folder, SMALL_FILE};
+use crate::files::folder::Folder;
 use crate::job::{Job, MapUse};
 use crate::messages::{Code, Place};
 use crate::output::{counted, quoted, result, warn, warn_of};
 use crate::store::digests::{DIGESTS, Digests, Fit, Known, digest_of_file};
 use crate::store::directory::RunDirectory;
 use crate::store::file_state::{FileState, state_of};
+use crate::store::frozen_job::set_asked;
 use crate::store::layout::{AUDITS, JOB, LIMITS, MAPS, RECORD, SEARCHES, SHARDS, SURFACE, WITH_DIGESTS};
 use crate::store::lock::Access;
 use crate::store::map_pieces;
@@ -163,7 +164,7 @@ impl Check<'_> {
         }
         self.record();
         if self.can_repair {
-            self.write_digests()?;
+            self.write_digests(&job)?;
         }
         let lacks_tables = self.findings.iter().any(|finding| finding.file == JOB && finding.state == State::Broken);
         Ok(match self.can_repair {
@@ -227,20 +228,15 @@ impl Check<'_> {
             );
             return Ok(None);
         };
-        let old = directory.root().read_if_there(JOB, SMALL_FILE).ok().flatten();
-        let old = old.map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
-        // What is lost as a whole may have had them.
-        let lacks = |name: &&str| !has_table(&source.text, name) && old.as_ref().is_none_or(|old| has_table(old, name));
-        let lacking: Vec<String> =
-            ["limit", "target"].into_iter().filter(lacks).map(|name| format!("[{name}]")).collect();
-        let has_lost = old.is_some() && !lacking.is_empty();
+        let lacking = directory.lacking_tables(&job)?;
+        let has_lost = !lacking.is_empty();
         if self.can_repair {
-            if has_lost {
+            if has_lost && directory.root().open_file(JOB).is_ok() {
                 directory.set_aside(directory.root(), JOB.as_ref(), "its tables may still be read in it");
             }
             directory.publish(JOB, source.text.as_bytes())?;
         }
-        let but = if lacking.is_empty() { String::new() } else { format!(", but for {}", lacking.join(" and ")) };
+        let but = if has_lost { format!(", but for {}", lacking.join(" and ")) } else { String::new() };
         let again = if self.can_repair { ", and it is written again" } else { "" };
         let state = if has_lost { State::Broken } else { self.repaired() };
         self.find(JOB, state, format!("{why}; the surface holds what it was{but}{again}"));
@@ -417,9 +413,10 @@ impl Check<'_> {
     }
 
     /// Writes the digests of what is there now.
-    fn write_digests(&self) -> Result<(), Failure> {
+    fn write_digests(&self, job: &Job) -> Result<(), Failure> {
         let root = self.directory.root();
         let mut digests = Digests::default();
+        set_asked(&mut digests, job);
         for name in WITH_DIGESTS {
             let file = root.open_if_there(name).map_err(|error| Failure::reading(&root.path().join(name), error))?;
             let digest = file.map(digest_of_file).transpose();
@@ -436,15 +433,4 @@ fn are_audited(job: &Job, audits: &Tally) -> bool {
         None => Parts::of_audits(job).are_complete(audits),
         Some(_) => (0..job.cells()).all(|cell| audits.is_complete(cell, job.certain_plain_samples())),
     }
-}
-
-/// Whether a line of a job, which may be damaged, begins this table or one of its keys.
-fn has_table(job: &str, name: &str) -> bool {
-    let has_header = || {
-        job.lines().any(|line| {
-            let rest = line.strip_prefix('[').and_then(|line| line.strip_prefix(name));
-            rest.is_some_and(|rest| rest.starts_with([']', '.']))
-        })
-    };
-    job.parse::<toml_edit::DocumentMut>().map_or_else(|_| has_header(), |job| job.contains_key(name))
 }

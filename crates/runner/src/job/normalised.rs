@@ -21,7 +21,7 @@ use super::spec::JobSpec;
 use super::validated::Job;
 
 /// What a job asks of its result.
-#[derive(Serialize)]
+#[derive(Serialize, Default)]
 struct Asked<'a> {
     limit: Option<AskedLimit<'a>>,
     target: Option<AskedTarget>,
@@ -39,11 +39,15 @@ struct AskedTarget {
     at: Option<BTreeMap<String, f64>>,
 }
 
+/// A spec as TOML: strings, numbers, lists and tables only, so that there is nothing in it that TOML cannot hold.
+fn text_of(spec: &impl Serialize) -> String {
+    toml::to_string(spec).unwrap_or_else(|error| format!("# not representable: {error}\n"))
+}
+
 impl Job {
     /// The job with everything written out, as TOML that can itself be submitted.
     pub fn normalised(&self) -> String {
-        // Strings, numbers, lists and tables only: there is nothing in it that TOML cannot hold.
-        toml::to_string(&self.written_out()).unwrap_or_else(|error| format!("# not representable: {error}\n"))
+        text_of(&self.written_out())
     }
 
     /// The same, with the keys that make no difference while they have their defaults, and with what is asked of the
@@ -66,17 +70,20 @@ impl Job {
         if let Some(criterion) = spec.criterion.as_mut().and_then(toml::Value::as_table_mut) {
             criterion.extend(table_of(&BTreeMap::from([("outside_physics", self.outside_physics)])));
         }
-        let target = AskedTarget {
-            probability: self.target,
-            at: self.operating_point.map(|cell| self.point(cell).into_iter().collect()),
-        };
-        let asked = Asked {
-            limit: self.limit.as_ref().map(|limit| AskedLimit { of: &limit.of, probability: &limit.targets }),
-            target: (self.target.is_some() || self.operating_point.is_some()).then_some(target),
-        };
-        let texts = [toml::to_string(&spec), toml::to_string(&asked)];
-        let texts = texts.map(|text| text.unwrap_or_else(|error| format!("# not representable: {error}\n")));
-        texts.into_iter().filter(|text| !text.is_empty()).collect::<Vec<_>>().join("\n")
+        let texts = [text_of(&spec)].into_iter().chain(self.asked_tables().map(|(_, text)| text));
+        texts.filter(|text| !text.is_empty()).collect::<Vec<_>>().join("\n")
+    }
+
+    /// The tables that ask for something of the result, and their text: none where the job lacks one.
+    pub fn asked_tables(&self) -> [(&'static str, String); 2] {
+        let limit = self.limit.as_ref().map(|limit| AskedLimit { of: &limit.of, probability: &limit.targets });
+        let at = self.operating_point.map(|cell| self.point(cell).into_iter().collect());
+        let target = AskedTarget { probability: self.target, at };
+        let target = (target.probability.is_some() || target.at.is_some()).then_some(target);
+        [
+            ("limit", text_of(&Asked { limit, ..Asked::default() })),
+            ("target", text_of(&Asked { target, ..Asked::default() })),
+        ]
     }
 
     /// The spec of the job with everything that its result depends on.

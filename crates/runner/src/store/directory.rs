@@ -202,14 +202,22 @@ impl RunDirectory {
 
     /// Writes the digest of what a file will hold.
     pub fn expect(&self, name: &str, digest: &str) -> Result<(), Failure> {
-        let known = Known::read(&self.root)?;
-        let before = match &known {
-            Known::Digests(digests) => Some(digests.clone()),
-            Known::Nothing | Known::Damaged => None,
-        };
-        let mut digests = known.into_digests();
+        self.change_digests(|digests| self.expect_among(digests, name, digest))
+    }
+
+    /// Adds the digest of what a file will hold to those that are known.
+    pub fn expect_among(&self, digests: &mut Digests, name: &str, digest: &str) {
         digests.expect(name, digest, || digest_of_file(self.root.open_file(name).ok()?).ok());
-        if before.as_ref() == Some(&digests) { Ok(()) } else { self.publish_digests(&digests) }
+    }
+
+    /// Writes the digests that `change` makes of those that are there, if they differ.
+    pub fn change_digests(&self, change: impl FnOnce(&mut Digests)) -> Result<(), Failure> {
+        let known = Known::read(&self.root)?;
+        let is_known = matches!(known, Known::Digests(_));
+        let before = known.into_digests();
+        let mut digests = before.clone();
+        change(&mut digests);
+        if is_known && before == digests { Ok(()) } else { self.publish_digests(&digests) }
     }
 
     /// Writes the digests.

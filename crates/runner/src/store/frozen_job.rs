@@ -6,7 +6,7 @@ use crate::files::foreign::text_of_key;
 use crate::job::{Job, JobSource};
 use crate::messages::{Code, Place};
 use crate::output::quoted;
-use crate::store::digests::{Fit, Known, digest_of_bytes, digest_of_file};
+use crate::store::digests::{Digests, Fit, Known, digest_of_bytes, digest_of_file};
 use crate::store::directory::{JOB_HASH_KEY, JOB_KEY, RunDirectory};
 use crate::store::file_state::{FileState, state_of};
 use crate::store::layout::{JOB, LIMITS, SURFACE};
@@ -146,14 +146,48 @@ impl RunDirectory {
 
     /// Freezes the job, in place of the one before if there is one. This process must work alone.
     pub fn freeze(&self, source: &JobSource, job: &Job) -> Result<(), Failure> {
-        self.publish(JOB, source.frozen(job).as_bytes())
+        let text = source.frozen(job);
+        self.expect_job(&text, job)?;
+        self.publish(JOB, text.as_bytes())
     }
 
     /// Freezes the job, unless another process has just frozen one where no lock keeps it out; returns false then.
     pub fn freeze_first(&self, source: &JobSource, job: &Job) -> Result<bool, Failure> {
         let text = source.frozen(job);
-        self.expect(JOB, &digest_of_bytes(text.as_bytes()))?;
+        self.expect_job(&text, job)?;
         let path = self.path().join(JOB);
         self.root().publish_first(JOB, text.as_bytes()).map_err(|error| Failure::writing(&path, error))
+    }
+
+    /// Writes the digest of the text of a job, and of what it asks of its result, which the surface does not hold.
+    fn expect_job(&self, text: &str, job: &Job) -> Result<(), Failure> {
+        self.change_digests(|digests| {
+            self.expect_among(digests, JOB, &digest_of_bytes(text.as_bytes()));
+            set_asked(digests, job);
+        })
+    }
+
+    /// Of the tables that ask for something of the result, those that a job lacks of the one that was frozen, or may lack.
+    pub fn lacking_tables(&self, job: &Job) -> Result<Vec<String>, Failure> {
+        let known = Known::read(self.root())?;
+        let lacks = |(table, text): (&str, String)| match known.fit(&entry_of(table), &digest_of_bytes(text.as_bytes()))
+        {
+            Fit::Fits => None,
+            Fit::Differs => Some(format!("[{table}]")),
+            Fit::Unknown => Some(format!("[{table}] if it had one")),
+        };
+        Ok(job.asked_tables().into_iter().filter_map(lacks).collect())
+    }
+}
+
+/// The name among the digests of what a table of the job asks of the result.
+fn entry_of(table: &str) -> String {
+    format!("{JOB} [{table}]")
+}
+
+/// Sets the digests of what a job asks of its result.
+pub fn set_asked(digests: &mut Digests, job: &Job) {
+    for (table, text) in job.asked_tables() {
+        digests.set(&entry_of(table), Some(digest_of_bytes(text.as_bytes())));
     }
 }

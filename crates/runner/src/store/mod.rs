@@ -28,7 +28,7 @@ pub mod searches;
 
 pub mod directory;
 
-mod frozen_job;
+pub mod frozen_job;
 
 pub mod provenance;
 
