@@ -204,6 +204,7 @@ fn implausible_values_are_warned_of_with_the_likely_unit() {
         (model("disc", "density = 7.8"), "did you mean 7800 (7.8 g/cm^3)?"),
         (model("pad", "mass = 300"), "did you mean 0.3 (300 g)?"),
         (model("disc", "thickness = 0.1"), "disc.thickness = 0.1 m is more than the width of the ring"),
+        (model("stiffness", "calliper_angular = 51"), "the model holds up to 0.25 rad"),
         (
             changed("rotating_speed = 15.0", "rotating_speed = [15, 1500]"),
             "axes.rotating_speed = 1500 rad/s is not plausible (usually 0.001 to 1000 rad/s); did you mean 157.08 (1500 rpm)?",

@@ -10,8 +10,8 @@ use crate::models::pad_on_disc::motion::integrator::{Motion, Observer};
 use crate::models::pad_on_disc::motion::moment::{Moment, RecordedContact};
 use crate::models::pad_on_disc::motion::start::{Start, TangentialStart};
 use crate::models::pad_on_disc::pad::contact_state::ContactState;
-use crate::models::pad_on_disc::pad::equations::{LARGEST_ROTATION, PAD};
-use crate::models::pad_on_disc::rigid_disc::pad_on_disc::RandomInputs;
+use crate::models::pad_on_disc::pad::equations::PAD;
+use crate::models::pad_on_disc::rigid_disc::pad_on_disc::{LARGEST_ROTATION, RandomInputs};
 use crate::numerics::fixed_point::fixed_point;
 
 /// Change in a round, relative to the pad's displacements, at which an equilibrium is found.

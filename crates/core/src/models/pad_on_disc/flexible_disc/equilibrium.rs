@@ -7,8 +7,8 @@ use crate::models::pad_on_disc::flexible_disc::continuation::is_upright;
 use crate::models::pad_on_disc::flexible_disc::equations::FlexibleEquations;
 use crate::models::pad_on_disc::flexible_disc::error::FlexibleError;
 use crate::models::pad_on_disc::pad::contact_state::ContactState;
-use crate::models::pad_on_disc::pad::equations::{LARGEST_ROTATION, PAD};
-use crate::models::pad_on_disc::rigid_disc::pad_on_disc::RandomInputs;
+use crate::models::pad_on_disc::pad::equations::PAD;
+use crate::models::pad_on_disc::rigid_disc::pad_on_disc::{LARGEST_ROTATION, RandomInputs};
 
 /// Finds equilibria by Newton's method with the linearisation at one operating point.
 #[derive(Debug, Clone)]

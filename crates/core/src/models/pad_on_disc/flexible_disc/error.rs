@@ -4,8 +4,8 @@ use thiserror::Error;
 
 use crate::models::pad_on_disc::flexible_disc::compliance::LEAST_COMPLIANCE;
 use crate::models::pad_on_disc::flexible_disc::plate_modes::MOST_DISC_MODES;
-use crate::models::pad_on_disc::pad::equations::LARGEST_ROTATION;
 use crate::models::pad_on_disc::parameters::ParameterError;
+use crate::models::pad_on_disc::rigid_disc::pad_on_disc::LARGEST_ROTATION;
 use crate::numerics::eigenvalues::EigenvalueError;
 
 /// Why there is no flexible model, or no equilibrium of it.

@@ -21,14 +21,9 @@ use crate::models::pad_on_disc::pad::contact_state::ContactState;
 use crate::models::pad_on_disc::pad::sliding_friction::SlidingFriction;
 use crate::models::pad_on_disc::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
 use crate::numerics::row::{Number, numbers};
-use crate::numerics::sine_cosine::SERIES_ANGLE;
 
 /// Degrees of freedom of the pad: x, y and phi. They come before the amplitudes of a disc.
 pub(crate) const PAD: usize = 3;
-
-/// Largest rotation of the pad in steady sliding, rad. The model holds for small angles: the tangent of this one is 2 %
-/// larger. Lanes leave larger ones to scalar code.
-pub(crate) const LARGEST_ROTATION: f64 = SERIES_ANGLE;
 
 numbers! {
     /// Coefficients of the pad's equations of motion, for scaled time and divided by `M eta0` or `I_s eta0`.

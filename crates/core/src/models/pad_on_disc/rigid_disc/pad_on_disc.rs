@@ -2,6 +2,7 @@
 
 use crate::friction::law::{FrictionLaw, LawKind};
 use crate::models::pad_on_disc::parameters::{ParameterError, Parameters};
+use crate::numerics::sine_cosine::SERIES_ANGLE;
 
 /// The units of the scaled quantities, and the conversion to SI.
 ///
@@ -136,6 +137,10 @@ impl RandomInputs {
         (self.preload <= 0.0) | (self.static_friction < least_static_coefficient)
     }
 }
+
+/// Largest rotation of the pad in steady sliding, rad. The model holds for small angles: the tangent of this one is 2 %
+/// larger. Lanes leave larger ones to scalar code.
+pub const LARGEST_ROTATION: f64 = SERIES_ANGLE;
 
 /// Steady sliding of the pad on a rigid disc: where pad and friction are in balance.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -237,23 +237,29 @@ impl PadJob {
         Some((curve, UnstableSpeeds { axis, unit, on, cell: cell.index, ranges: brake.unstable_speeds() }))
     }
 
+    /// The brakes at the extremes of the axes, each with the largest preload.
+    fn extreme_brakes(&self, grid: &Grid) -> Vec<PadOnDisc> {
+        let corners = Corners::new(self.model.parameters(), grid);
+        let corners = corners.at_extremes(&corners.speeds().extremes()).unwrap_or_default();
+        let [_, preload] = grid.extremes_of(PRELOAD);
+        let brake = |corner: &Parameters, static_friction: f64| {
+            let mut parameters = corner.clone();
+            parameters.operating_point.preload = preload;
+            parameters.friction.static_coefficient = static_friction;
+            PadOnDisc::new(parameters).ok()
+        };
+        let of_corner = |corner: &Parameters| grid.extremes_of(STATIC_FRICTION).map(|value| brake(corner, value));
+        corners.iter().flat_map(of_corner).flatten().collect()
+    }
+
     /// What of the extremes of the axes lies outside the range over which verdicts in time were tested, each value
     /// once.
     fn uncovered(&self, grid: &Grid) -> Vec<Uncovered> {
         let Criterion::TimeDomain { disc, .. } = self.model.criterion() else { return Vec::new() };
         let mut found: Vec<Uncovered> = Vec::new();
-        let corners = Corners::new(self.model.parameters(), grid);
-        let Ok(corners) = corners.at_extremes(&corners.speeds().extremes()) else { return found };
-        for corner in corners {
-            for static_friction in grid.extremes_of(STATIC_FRICTION) {
-                let mut parameters = corner.clone();
-                parameters.friction.static_coefficient = static_friction;
-                let Ok(brake) = PadOnDisc::new(parameters) else { continue };
-                for uncovered in validity::uncovered(&brake, disc) {
-                    if !found.contains(&uncovered) {
-                        found.push(uncovered);
-                    }
-                }
+        for uncovered in self.extreme_brakes(grid).iter().flat_map(|brake| validity::uncovered(brake, disc)) {
+            if !found.contains(&uncovered) {
+                found.push(uncovered);
             }
         }
         found
@@ -281,6 +287,9 @@ impl JobModel for PadJob {
         warnings.extend(curve.and_then(|curve| measured_friction::vanishing(curve, quantities, grid, random)));
         warnings.extend(self.hidden_speeds(grid));
         let criterion = self.model.criterion();
+        if criterion.modes().is_none() {
+            warnings.extend(plausibility::of_rotation(self.extreme_brakes(grid).iter()));
+        }
         if let Criterion::TimeDomain { settings, .. } = criterion {
             warnings.extend(plausibility::of_displacement("criterion.displacement", settings.displacement));
         }

@@ -6,8 +6,10 @@
 use std::f64::consts::{PI, TAU};
 
 use stickslip_core::model::quantity::Quantity;
+use stickslip_core::models::pad_on_disc::flexible_disc::error::FlexibleError;
 use stickslip_core::models::pad_on_disc::flexible_disc::mode_count::ModeCheck;
 use stickslip_core::models::pad_on_disc::parameters::{Parameters, SCALARS, Scalar};
+use stickslip_core::models::pad_on_disc::rigid_disc::pad_on_disc::{LARGEST_ROTATION, PadOnDisc};
 use stickslip_sampler::grid::Grid;
 
 use super::measured_friction;
@@ -116,6 +118,7 @@ pub fn of_parameters(parameters: &Parameters) -> Vec<String> {
     warnings.extend(of_disc(parameters));
     let point = &parameters.operating_point;
     warnings.extend(of_force(point.preload, parameters));
+    warnings.extend(of_rotation(PadOnDisc::new(parameters.clone()).iter()));
     warnings.extend(of_curve(parameters, point.rotating_speed));
     warnings
 }
@@ -141,6 +144,13 @@ fn of_force(preload: f64, parameters: &Parameters) -> Option<String> {
             preload = written(preload)
         )
     })
+}
+
+/// A warning about brakes whose pad friction turns too far on a rigid disc. A flexible disc has no steady sliding then.
+pub fn of_rotation<'a>(brakes: impl Iterator<Item = &'a PadOnDisc>) -> Option<String> {
+    let angles = brakes.map(|brake| brake.sliding_equilibrium().angle);
+    let angle = angles.max_by(|one, other| one.abs().total_cmp(&other.abs()))?;
+    (angle.abs() > LARGEST_ROTATION).then(|| FlexibleError::Rotated { angle }.to_string())
 }
 
 /// A warning about a disc that is no plate.
@@ -261,6 +271,20 @@ mod tests {
         parameters.disc.thickness = 0.1;
         let said = of_parameters(&parameters);
         assert!(said.len() == 1 && said[0].starts_with("disc.thickness = 0.1 m is more"), "{said:?}");
+    }
+
+    #[test]
+    fn a_pad_that_friction_turns_too_far_is_warned_of() {
+        let mut parameters = Parameters::sui_ding_2018();
+        let softer = |angle: f64, parameters: &mut Parameters| {
+            let own = PadOnDisc::new(parameters.clone()).unwrap().sliding_equilibrium().angle;
+            parameters.stiffness.calliper_angular *= own / angle;
+            of_parameters(parameters).into_iter().filter(|said| said.contains("turned")).collect::<Vec<_>>()
+        };
+        assert_eq!(softer(0.249, &mut parameters), Vec::<String>::new());
+        let said = softer(0.251, &mut parameters);
+        assert!(said.len() == 1 && said[0].starts_with("the pad is turned by 0.251 rad in steady sliding"), "{said:?}");
+        assert!(said[0].contains("up to 0.25 rad") && said[0].contains("stiffness.calliper_angular"), "{said:?}");
     }
 
     #[test]
