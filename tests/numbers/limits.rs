@@ -227,6 +227,29 @@ fn without_a_limit_the_state_is_reported() {
     assert!(number(&rows[0], "p_from") > 0.9);
 }
 
+/// The boundary of small motions in time is that of eigenvalues.
+#[test]
+fn limits_over_a_verdict_map_have_simulated_samples_beside_them() {
+    let place = Place::new();
+    let text = job("", &format!("{PRELOADS}\nstatic_friction = 0.39"), BOTH, EXACT);
+    let closed = limits(&place, &text, "--of preload --probability 0.05");
+    let in_time = "kind = \"time-domain\"\ndisc = \"rigid\"\nstart = \"near-equilibrium\"";
+    let text = text.replace(EIGENVALUE, in_time);
+    let mapped = limits(&place, &text, "--of preload --probability 0.05");
+    assert_eq!((mapped.len(), closed.len()), (1, 1));
+    let [limit, low, high] = ["limit", "limit_low", "limit_high"].map(|name| number(&mapped[0], name));
+    let of_eigenvalues = number(&closed[0], "limit");
+    assert!((limit / of_eigenvalues - 1.0).abs() < 2e-3 && low <= limit && limit <= high, "{limit} {of_eigenvalues}");
+    let decided = ["n_audit", "n_audit_from", "n_audit_to"].map(|name| number(&mapped[0], name));
+    assert_eq!((decided, number(&mapped[0], "distrust")), ([300.0; 3], 0.0));
+    let said = place.run("limit limits.toml --of preload --probability 0.05").done().stdout;
+    assert!(said.contains("300 plain samples at each limit and at both ends: no region of more than"), "{said}");
+    assert!(!said.contains("taken for right"), "{said}");
+    place.write("limits.toml", &text.replace(EXACT, &format!("{EXACT}\naudit = 0")));
+    let said = place.run("limit limits.toml --of preload --probability 0.05").done().stdout;
+    assert!(said.contains("leaves open, which is taken for right.") && !said.contains("plain samples"), "{said}");
+}
+
 #[test]
 fn the_file_has_what_json_has_whatever_the_threads() {
     let place = Place::new();

@@ -154,7 +154,7 @@ impl CombinationLimits {
         asked: &Asked<'_>,
         is_stopped: IsStopped<'_>,
     ) -> Result<(), Ended> {
-        let samples = job.plain_samples();
+        let samples = job.samples_beside_limits();
         if samples == 0 {
             return Ok(());
         }
@@ -218,7 +218,15 @@ mod tests {
 
     #[test]
     fn plain_samples_contradict_a_wrong_probability_at_a_limit_and_at_each_end() {
-        let job = JobSource { path: PathBuf::from("job.toml"), text: JOB.to_owned() }.job().unwrap();
+        // Over a verdict map samples are simulated.
+        let in_time = "kind = \"time-domain\"\ndisc = \"rigid\"\nstart = \"near-equilibrium\"";
+        for criterion in ["kind = \"eigenvalue\"", in_time] {
+            contradict_a_wrong_probability(&JOB.replace("kind = \"eigenvalue\"", criterion));
+        }
+    }
+
+    fn contradict_a_wrong_probability(job: &str) {
+        let job = JobSource { path: PathBuf::from("job.toml"), text: job.to_owned() }.job().unwrap();
         let axis = LimitAxis::named(&job, "preload").unwrap();
         let beside = |value: f64, p: f64| {
             let certain = Estimate { probability: Some(p), low: p, high: p };
@@ -245,7 +253,7 @@ mod tests {
             let all = [from, to, found.of_targets[0][0].1.unwrap()];
             let expected: Vec<bool> = (0..3).map(|each| place == Some(each)).collect();
             assert_eq!(all.map(|each| each.is_contradicted()).to_vec(), expected, "{all:?}");
-            assert!(all.iter().all(|each| each.plain.is_some_and(|plain| plain.decided == job.plain_samples())));
+            assert!(all.iter().all(|each| each.plain.is_some_and(|plain| plain.decided == 300)));
             // They are compared with the interval that is there for it, not with that of the confidence of the job.
             let wide = Estimate { probability: None, low: 0.0, high: 1.0 };
             let widened = |beside: &Beside| {

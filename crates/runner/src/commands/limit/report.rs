@@ -126,7 +126,8 @@ impl Found<'_> {
         let integrated = "P is integrated, without samples.";
         let mut method = match (self.method, self.confidence) {
             (LimitMethod::MapIntegral, _) => {
-                format!("low to high: what the verdict map leaves open, which is taken for right. {integrated}")
+                let is_right = if self.job.samples_beside_limits() > 0 { "" } else { ", which is taken for right" };
+                format!("low to high: what the verdict map leaves open{is_right}. {integrated}")
             }
             (_, None) => integrated.to_owned(),
             (_, Some(_)) if self.job.sampling.samples == 0 => {
@@ -209,7 +210,7 @@ impl Found<'_> {
                 row.ends[1].estimate.probability
             }),
         ]);
-        if self.job.plain_samples() > 0 {
+        if self.job.samples_beside_limits() > 0 {
             let counts = |place: usize, count: fn(&PlainSamples) -> u64| {
                 let of =
                     |row: &Row| row.places()[place].and_then(|beside| beside.plain).map_or(0, |plain| count(&plain));
@@ -239,7 +240,7 @@ impl Found<'_> {
 
     /// A line on what plain samples exclude, or contradict.
     fn audit(&self) -> Option<String> {
-        let samples = self.job.plain_samples();
+        let samples = self.job.samples_beside_limits();
         if samples == 0 || self.rows.is_empty() {
             return None;
         }
