@@ -61,6 +61,7 @@ fn plain_samples_that_contradict_a_probability_take_it_away() {
     let table = Table::read(&place.path("two/surface.parquet"));
     assert_eq!((table.column("distrust")[0], table.column("n_audit_unstable")[0]), (5.0, 300.0));
     assert!(table.column("p_unstable")[0].is_nan());
+    place.run("plot two").refused(65, &["two has a single cell: its probability of instability is not known, only"]);
     place.run("report two --out two.html").done();
     let report = std::fs::read_to_string(place.path("two.html")).unwrap();
     assert!(report.contains("p_unstable is null in 1 cell: plain samples contradict p_low to p_high"));

@@ -281,6 +281,8 @@ fn where_nothing_stable_is_found_there_is_no_number_either() {
         let of = |name: &str| table.column(name)[0];
         assert!(of("p_unstable").is_nan(), "{method}: {}", of("p_unstable"));
         assert_eq!([of("distrust"), of("p_high"), of("n_audit_unstable")], [1.0, 1.0, 300.0], "{method}");
+        let said = place.run(&format!("resume {method}")).done().stdout;
+        assert!(said.contains("no probability, only") && !said.contains("no sample was decided"), "{said}");
     }
 }
 

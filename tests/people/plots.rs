@@ -79,7 +79,7 @@ fn a_surface_is_drawn_as_svg_and_png_with_its_axes_levels_and_boundary() {
     // Notes that are too long for the figure go on in the next line.
     place.run("plot plane --columns 1 --out narrow.svg").done();
     let narrow = fs::read_to_string(place.path("narrow.svg")).unwrap();
-    let notes = narrow.split("<text ").filter(|text| text.contains("font-size=\"7\"") && text.contains("#707070"));
+    let notes = narrow.split("<text ").filter(|text| text.contains("font-size=\"9\"") && text.contains("#707070"));
     let notes: Vec<&str> = notes.map(|text| text.split(['<', '>']).nth(1).unwrap()).collect();
     assert!(notes.len() > 2 && notes.iter().all(|note| note.len() < 80), "{notes:?}");
 }
@@ -604,7 +604,7 @@ fn the_inputs_and_samples_of_a_job_are_seen_before_it_is_run() {
         "Mass of the pad M (kg)",
         ">outside the model<",
         "of them lie outside the model: preload at or below 0, or f<tspan",
-        ">c</tspan><tspan dy=\"-1.54\">.</tspan>",
+        ">c</tspan><tspan dy=\"-1.98\">.</tspan>",
     ] {
         assert!(inputs.contains(text), "{text}");
     }

@@ -539,7 +539,7 @@ fn a_report_says_what_its_numbers_rest_on() {
         "samples = 2000, seed = 1</dd>",
         "preload 0.02 to 0.3 (displacement 0.4 to 6 mm), 15 values",
         "expected contact force on a rigid disc: 7.019 kN to 105.3 kN",
-        "<dt>Interval</dt><dd >95 % interval</dd>",
+        "<dt>Range of P</dt><dd >95 % interval</dd>",
         ", by submit</dd>",
     ] {
         assert!(open.contains(text), "{text}: {open}");
@@ -558,7 +558,7 @@ fn a_run_without_scatter_has_verdicts_and_no_probabilities() {
     submitted(&place, "three", &job.replace("samples = 2000\nseed = 1\n", ""));
     place.run("report three").done();
     let page = fs::read_to_string(place.path("three/report.html")).unwrap();
-    assert!(page.contains("<h2 id=\"map-heading\">Verdict of each cell</h2>") && !page.contains("<dt>Interval</dt>"));
+    assert!(page.contains("<h2 id=\"map-heading\">Verdict of each cell</h2>") && !page.contains("<dt>Range of P</dt>"));
     let run = &data(&page)["runs"][0];
     let verdicts = &run["verdicts"];
     assert_eq!(run["lines"], Value::Array(Vec::new()));

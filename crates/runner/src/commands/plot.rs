@@ -258,9 +258,10 @@ type Known<'a> = (&'a [Option<f64>], &'a [f64], &'a [f64]);
 /// The failure of a view that has nothing to draw: the number of its cell with the ends of its interval.
 fn single_cell(run: &Path, job: &Job, view: &GridView, what: &str, (values, low, high): Known<'_>) -> Failure {
     let cell = view.slice(0).first as usize;
+    let range = format!("{} to {}", rounded(low[cell]), rounded(high[cell]));
     let known = values[cell].map_or_else(
-        || "no sample of it is decided".to_owned(),
-        |value| format!("{what} is {} ({} to {})", rounded(value), rounded(low[cell]), rounded(high[cell])),
+        || format!("{what} is not known, only {range}"),
+        |value| format!("{what} is {} ({range})", rounded(value)),
     );
     if job.cells() > 1 {
         return Failure::Usage(format!("--at leaves a single cell of {}: {known}. Leave an axis out", run.display()));

@@ -306,7 +306,7 @@ fn bars(surface: &Surface<'_>, slice: &Slice<'_>, axis: Option<&ViewAxis>) -> St
                 };
                 format!("{bar}| {probability:>width$}  ({low:>width$} to {high:>width$}){unknown}")
             }
-            _ if row.counts.total() > 0 => "no sample was decided".to_owned(),
+            _ if row.counts.total() > 0 && row.counts.decided() == 0 => "no sample was decided".to_owned(),
             _ => {
                 let (low, high) = (row.estimate.low, row.estimate.high);
                 format!("no probability, only {} to {}", probability(low), probability(high))

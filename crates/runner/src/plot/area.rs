@@ -83,7 +83,7 @@ impl Area<'_> {
         if let (Some(first), Some(top_right)) = (panels.first(), panels.iter().map(Panel::right).reduce(f64::max)) {
             self.bar(&mut canvas, Panel { left: top_right + 14.0, width: 13.0, ..*first });
         }
-        write_notes(&mut canvas, &notes, (width, height));
+        write_notes(&mut canvas, &notes, height);
         canvas
     }
 

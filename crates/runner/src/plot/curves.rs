@@ -51,7 +51,7 @@ impl Curves<'_> {
             self.panel(&mut canvas, panel, number);
         }
         self.legend(&mut canvas, &panels);
-        write_notes(&mut canvas, &notes, (width, height));
+        write_notes(&mut canvas, &notes, height);
         canvas
     }
 

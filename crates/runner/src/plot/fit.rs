@@ -77,7 +77,7 @@ impl FitPicture {
             panel.frame(&mut canvas, &self.horizontal, &self.vertical);
             legend.draw(&mut canvas, (panel.left, arrangement.height - below + BEFORE));
         }
-        write_notes(&mut canvas, &notes, (width, arrangement.height));
+        write_notes(&mut canvas, &notes, arrangement.height);
         canvas
     }
 

@@ -93,7 +93,7 @@ impl InputsPlot {
             self.draw_pair(&mut canvas, panel, pair);
         }
         legend.draw(&mut canvas, (LEFT, height - below + BEFORE));
-        write_notes(&mut canvas, &notes, (width, height));
+        write_notes(&mut canvas, &notes, height);
         canvas
     }
 

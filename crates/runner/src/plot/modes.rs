@@ -92,7 +92,7 @@ impl ModePlot {
             heading(&mut canvas, first, &self.title);
         }
         legend.draw(&mut canvas, (RIGHT, height - below + GAP));
-        write_notes(&mut canvas, &notes, (width, height));
+        write_notes(&mut canvas, &notes, height);
         canvas
     }
 

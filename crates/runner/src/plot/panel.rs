@@ -7,6 +7,9 @@ use crate::plot::canvas::{BLACK, Canvas, GREY, Pen, Place, Side, width_of};
 pub const SMALL: u32 = 10;
 pub const NORMAL: u32 = 11;
 
+/// Size of notes below the panels.
+pub const OF_NOTES: u32 = 9;
+
 /// Length of ticks, and the space between them and their labels.
 const TICK: f64 = 4.0;
 const GAP: f64 = 3.0;
@@ -19,7 +22,7 @@ pub const BELOW: f64 = 36.0;
 pub const ABOVE: f64 = 24.0;
 
 /// Distance of notes below the panels.
-const NOTE: f64 = 9.0;
+const NOTE: f64 = 11.0;
 
 /// Space at the right of the last panel.
 pub const RIGHT: f64 = 14.0;
@@ -204,8 +207,7 @@ impl OnePanel {
     pub fn finish(mut self, across: &Axis, up: &Axis, title: &str) -> Canvas {
         self.panel.frame(&mut self.canvas, across, up);
         heading(&mut self.canvas, &self.panel, title);
-        let size = (self.canvas.width, self.height);
-        write_notes(&mut self.canvas, &self.notes, size);
+        write_notes(&mut self.canvas, &self.notes, self.height);
         self.canvas
     }
 }
@@ -246,19 +248,19 @@ pub fn two_lines(canvas: &mut Canvas, panel: &Panel, lines: [&str; 2], size: u32
 
 /// Space for notes below the panels.
 pub fn space_of(notes: &[String]) -> f64 {
-    12.0 + NOTE * notes.len().saturating_sub(1) as f64
+    14.0 + NOTE * notes.len().saturating_sub(1) as f64
 }
 
 /// Notes in lines that fit in a figure, each of which ends with a full stop.
 pub fn in_lines(notes: &[String], width: f64) -> Vec<String> {
     let ended = |note: &String| if note.ends_with(['.', '?', '!']) { note.clone() } else { format!("{note}.") };
-    notes.iter().flat_map(|note| wrapped(&ended(note), width - 2.0 * RIGHT, SMALL - 3)).collect()
+    notes.iter().flat_map(|note| wrapped(&ended(note), width - 2.0 * RIGHT, OF_NOTES)).collect()
 }
 
-/// Writes notes at the bottom of a figure.
-pub fn write_notes(canvas: &mut Canvas, notes: &[String], (width, height): (f64, f64)) {
+/// Writes notes at the bottom of a figure, from its left edge: a narrow window shows this one first.
+pub fn write_notes(canvas: &mut Canvas, notes: &[String], height: f64) {
     for (i, note) in notes.iter().rev().enumerate() {
-        canvas.text((width - RIGHT, height - 4.0 - NOTE * i as f64), note, SMALL - 3, Side::Left, 0.0, GREY);
+        canvas.text((RIGHT, height - 4.0 - NOTE * i as f64), note, OF_NOTES, Side::Right, 0.0, GREY);
     }
 }
 

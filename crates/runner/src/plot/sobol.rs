@@ -12,7 +12,7 @@ use crate::picture::title::title;
 use crate::picture::view::{GridView, rounded};
 use crate::plot::canvas::{BLACK, Canvas, GREY, Pen, Rgb, Side, width_of};
 use crate::plot::legend::Legend;
-use crate::plot::panel::{ABOVE, Axis, BELOW, Panel, RIGHT, SMALL, two_lines, wrapped};
+use crate::plot::panel::{ABOVE, Axis, BELOW, OF_NOTES, Panel, RIGHT, SMALL, two_lines, wrapped};
 use crate::plot::values::Values;
 use crate::tables::finished::{FinishedSurface, FinishedValues};
 
@@ -179,7 +179,7 @@ impl Sobol {
         }
         legend.draw(&mut canvas, (8.0, bottom));
         let note = format!("lines: {} % intervals", rounded(100.0 * confidence));
-        canvas.text((width - RIGHT, bottom + legend.height() + 8.0), &note, SMALL - 3, Side::Left, 0.0, GREY);
+        canvas.text((RIGHT, bottom + legend.height() + 8.0), &note, OF_NOTES, Side::Right, 0.0, GREY);
         canvas
     }
 

@@ -135,7 +135,7 @@ impl VerdictMaps {
             heading(&mut canvas, panel, &view.configuration_of(first));
         }
         legend.draw(&mut canvas, (LEFT, height + BEFORE));
-        write_notes(&mut canvas, &notes, (width, total));
+        write_notes(&mut canvas, &notes, total);
         canvas
     }
 }

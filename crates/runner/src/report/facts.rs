@@ -32,7 +32,7 @@ pub fn facts(run: &ReportedRun) -> Vec<(&'static str, String)> {
         ("Distributions", if_it_scatters(of_table("random", &["inputs", "relative_std", "std"]))),
         ("Criterion", of_table("criterion", &[])),
         ("Method", of_table("sampling", &[])),
-        ("Interval", if_it_scatters(job.sampling.method.interval(&job.sampling))),
+        ("Range of P", if_it_scatters(job.sampling.method.interval(&job.sampling))),
         ("Computed", run.finished.clone().unwrap_or_default()),
     ]
 }

@@ -106,7 +106,10 @@ function aboutModel(cell) {
 
 function layout(x, y, extra) {
   const line = colour("--line"), text = colour("--text");
-  const axis = (of) => ({ title: { text: inPlot(of) }, gridcolor: line, linecolor: line, zeroline: false, automargin: true });
+  const axis = (of) => ({
+    title: { text: inPlot(of) }, gridcolor: line, linecolor: line, zeroline: false, automargin: true,
+    exponentformat: "power",
+  });
   return {
     paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)", font: { color: text, size: 12 },
     // Above a plot is its tool bar, below it its legend.
