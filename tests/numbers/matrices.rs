@@ -140,6 +140,80 @@ fn a_brake_from_a_file_has_its_critical_friction_with_any_threads() {
     assert!(p[0] > 0.3 && p[1] > 0.3 && p[2] == 0.0, "the pair has less than 0.0001 Hz: {p:?}");
 }
 
+/// Pairs of close modes that friction couples, two rad/s apart, with scattering friction and damping.
+fn flutter(pairs: usize, criterion: &str, sampling: &str) -> String {
+    let size = 2 * pairs;
+    let matrix = |entry: &dyn Fn(usize, usize) -> f64| {
+        let row = |i: usize| format!("[{}]", (0..size).map(|j| entry(i, j).to_string()).collect::<Vec<_>>().join(", "));
+        format!("[{}]", (0..size).map(row).collect::<Vec<_>>().join(", "))
+    };
+    let frequency = |i: usize| 10.0 + 2.0 * (i / 2) as f64 + 0.05 * (i % 2) as f64;
+    let coupling = |i: usize, j: usize| match (i / 2 == j / 2, i < j) {
+        (true, true) => 1.0 + 0.03 * (i / 2) as f64,
+        (true, false) if i != j => -1.0,
+        // Pairs are not alone.
+        (false, true) if i + 3 > j => 0.02,
+        _ => 0.0,
+    };
+    format!(
+        "name = \"flutter\"\n[model]\nkind = \"matrices\"\nmass = {{ matrix = {} }}\n\
+         damping = [{{ matrix = {}, factor = \"c\" }}]\n\
+         stiffness = [{{ matrix = {} }}, {{ matrix = {}, factor = \"mu\" }}]\n\
+         [model.parameters]\nc = 0.01\nmu = 0.5\n[random]\ninputs = [\"mu\", \"c\"]\n\
+         relative_std = {{ mu = 0.15, c = 0.3 }}\n[criterion]\nkind = \"complex-eigenvalue\"\n{criterion}\n\
+         [sampling]\nseed = 4\n{sampling}\n",
+        matrix(&|i, j| if i == j { 1.0 } else { 0.0 }),
+        matrix(&|i, j| if i == j { 1.0 } else { 0.0 }),
+        matrix(&|i, j| if i == j { frequency(i) * frequency(i) } else { 0.0 }),
+        matrix(&coupling)
+    )
+}
+
+/// A cell of a band has the samples of a job with this band alone, and the verdicts of these: so a brake that is unstable in
+/// one is unstable in any.
+#[test]
+fn cells_that_differ_by_band_alone_have_the_same_samples() {
+    let place = Place::new();
+    // In Hz; one overlaps the others, and one has no mode.
+    let bands = [[1.5, 1.8], [1.8, 2.0], [1.9, 5.0], [0.1, 0.2]];
+    let list = |bands: &[[f64; 2]]| format!("bands = {bands:?}");
+    for (pairs, sampling) in [
+        (2, "samples = 600"),
+        (10, "samples = 600"),
+        (10, "samples = 512\nmethod = \"sobol\""),
+        (10, "samples = 300\nrecord_nothing"),
+    ] {
+        let (sampling, record) = match sampling.strip_suffix("\nrecord_nothing") {
+            Some(sampling) => (sampling, "\nrecord = [\"damping_ratio\"]"),
+            None => (sampling, ""),
+        };
+        place.write("all.toml", &flutter(pairs, &format!("{}{record}", list(&bands)), sampling));
+        for threads in [1, 2] {
+            place.run(&format!("submit all.toml --out all{threads} --threads {threads} --overwrite")).done();
+        }
+        assert_eq!(place.surface("all1"), place.surface("all2"));
+        let all = Table::read(&place.path("all1/surface.parquet"));
+        let unstable = all.column("n_unstable");
+        for (band, own) in bands.into_iter().zip(&unstable[1..]) {
+            let alone = format!("frequency = {band:?}{record}");
+            place.write("one.toml", &flutter(pairs, &alone, sampling));
+            place.run("submit one.toml --out one --overwrite").done();
+            let one = Table::read(&place.path("one/surface.parquet"));
+            assert_eq!(one.column("n_unstable"), [*own], "{pairs} {sampling} {band:?}");
+        }
+        let (most, sum) = (unstable[1..].iter().copied().fold(0.0, f64::max), unstable[1..].iter().sum::<f64>());
+        assert!(most > 20.0 && (most..=sum).contains(&unstable[0]) && unstable[4] == 0.0, "{pairs} {unstable:?}");
+    }
+    // Runs with other bands share the samples of the bands that both have.
+    place.write("fewer.toml", &flutter(10, &list(&bands[..2]), "samples = 300"));
+    place.write("more.toml", &flutter(10, &list(&bands), "samples = 300"));
+    for name in ["fewer", "more"] {
+        place.run(&format!("submit {name}.toml --out {name}")).done();
+    }
+    let compared = place.run("compare fewer more --out compared.parquet").done();
+    assert!(!compared.stderr.contains("cannot be paired"), "{}", compared.stderr);
+}
+
 /// The verdicts of LAPACK, and of mpmath where rounding could matter, on 500 random models (tests/data/matrices/fates.py): at
 /// the expected values, where all eigenvalues decide, and with a stiffness 2 % off, from which the series comes.
 #[test]

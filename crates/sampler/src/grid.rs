@@ -278,6 +278,20 @@ impl Grid {
         first
     }
 
+    /// The index of the cell with the first value of a quantity that agrees with that at `index` in all else.
+    #[must_use]
+    pub fn cell_with_first(&self, quantity: usize, index: u64) -> u64 {
+        let (mut stride, mut rest) = (1, index);
+        for (axis, length) in self.radices().rev() {
+            if axis.is_some_and(|axis| axis.quantity == quantity) {
+                return index - rest % length * stride;
+            }
+            rest /= length;
+            stride *= length;
+        }
+        index
+    }
+
     /// The axis of a quantity, if it has one.
     #[must_use]
     pub fn axis_of(&self, quantity: usize) -> Option<&Axis> {
@@ -436,6 +450,9 @@ mod tests {
                     a == b
                 };
                 assert_eq!(Some(grid.first_cell_but_for(quantity, index)), (0..288).find(is_like));
+                let scatters = |other: &u64| grid.cell(*other).scatter == grid.cell(index).scatter;
+                let first = (0..288).filter(scatters).find(is_like);
+                assert_eq!(Some(grid.cell_with_first(quantity, index)), first);
             }
         }
     }

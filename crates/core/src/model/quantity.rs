@@ -104,6 +104,9 @@ pub struct Quantity {
     pub is_rate: bool,
     /// Whether it is a displacement over [`Model::length_scale`](super::Model::length_scale).
     pub is_over_length: bool,
+    /// Whether it only says what of a sample counts, and changes nothing of it: cells that differ by it alone have the same
+    /// samples.
+    pub only_selects: bool,
 }
 
 impl Quantity {
@@ -130,6 +133,7 @@ impl Quantity {
             title: None,
             is_rate: false,
             is_over_length: false,
+            only_selects: false,
         }
     }
 

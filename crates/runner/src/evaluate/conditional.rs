@@ -116,7 +116,7 @@ impl Conditional {
         visit: &mut dyn FnMut(&mut [f64]),
     ) -> bool {
         let stream = job.deviates(self.others.len(), job.points());
-        let mut deviates = stream.start(cell, randomisation, samples.start);
+        let mut deviates = stream.start(job.stream_of(cell), randomisation, samples.start);
         let mut columns = vec![Vec::new(); self.others.len()];
         let mut sample = vec![0.0; self.correlation.inputs()];
         let mut first = samples.start;

@@ -138,7 +138,7 @@ impl RareEvents {
             sums.add_evaluations(evaluations);
         }
         let stream = job.deviates(self.dimensions + 1, Source::Sobol);
-        let mut deviates = stream.start(cell, randomisation, samples.start);
+        let mut deviates = stream.start(job.stream_of(cell), randomisation, samples.start);
         let mut columns = vec![Vec::new(); self.dimensions + 1];
         let mut scratch = vec![0.0; self.dimensions];
         let mut first = samples.start;

@@ -154,7 +154,7 @@ impl<'a> Drawing<'a> {
             None => Column::Fixed(vec![cell.expected[place]]),
         };
         Self {
-            deviates: stream.start(cell.index, place as u64, range.start),
+            deviates: stream.start(job.stream_of(cell.index), place as u64, range.start),
             inputs,
             end: range.end,
             samples: Samples {

@@ -200,6 +200,13 @@ impl Job {
         DeviateStream { seed, common_random_numbers, dimensions, points }
     }
 
+    /// The cell whose deviates a cell draws: its own, or those of the first that differs from it only in what of a sample
+    /// counts.
+    pub fn stream_of(&self, cell: u64) -> u64 {
+        let selects = self.model().quantities().iter().position(|quantity| quantity.only_selects);
+        selects.map_or(cell, |quantity| self.grid.cell_with_first(quantity, cell))
+    }
+
     /// Whether drawing and deciding a sample costs little more than its random numbers: only the pair
     /// of the model scatters, normal and independent.
     pub fn has_cheap_samples(&self) -> bool {

@@ -1,5 +1,6 @@
-//! Whether a sample has an unstable pair: by the characteristic polynomial of two coordinates, by a series where that is
-//! sure, by its vectors or by refining single eigenvalues where it is not, and by all eigenvalues where nothing else will do.
+//! In which bands a sample has an unstable pair: by the characteristic polynomial of two coordinates, by a series where that
+//! is sure, by its vectors or by refining single eigenvalues where it is not, and by all eigenvalues where nothing else will
+//! do.
 
 use super::far::Followed;
 use super::pair::Pair;
@@ -52,37 +53,72 @@ pub enum Way {
     All,
 }
 
+/// A set of regions: a bit for each place in a list, the last for all further ones.
+pub type RegionSet = u64;
+
+/// The set of a region at a place.
+#[must_use]
+pub fn region_at(place: usize) -> RegionSet {
+    1 << place.min(MOST_REGIONS - 1)
+}
+
+/// Regions that a set keeps apart.
+pub const MOST_REGIONS: usize = RegionSet::BITS as usize;
+
+/// What is known of the regions that one of several eigenvalues is in.
+#[derive(Debug, Clone, Copy, Default)]
+struct Known {
+    /// Those that one surely is in.
+    inside: RegionSet,
+    /// Those that one may be in.
+    open: RegionSet,
+}
+
+impl Known {
+    /// What is not known, where these are found to have one.
+    fn open_but_for(self, found: RegionSet) -> RegionSet {
+        self.open & !found
+    }
+}
+
 impl<'a> Decider<'a> {
     /// Decides by regions in the unit of the problem, with a series if there is one.
     pub(super) fn new(problem: &'a DenseQuadratic, regions: &'a [Region], series: Option<&'a ModeSeries>) -> Self {
         Self { problem, regions, series }
     }
 
-    /// Whether a sample with these coefficients is unstable, and how that was found; `None` if eigenvalues do not converge.
+    /// The regions in which a sample with these coefficients is unstable, and how that was found; `None` if eigenvalues do not
+    /// converge.
     #[must_use]
-    pub fn is_unstable(&self, coefficients: &[f64]) -> Option<(bool, Way)> {
+    pub fn unstable(&self, coefficients: &[f64]) -> Option<(RegionSet, Way)> {
         if let Some(values) = two_coordinates::eigenvalues(self.problem, coefficients)
-            && let Some(told) = told(values.map(|(value, radius)| self.sure(value, radius)))
+            && let Some(told) = self.told(values)
         {
             return Some((told, Way::ClosedForm));
         }
         let followed = self.series.and_then(|series| Some((series, series.follow(coefficients)?)));
         if let Some((series, (monomials, followed))) = followed {
-            let (mut sure, mut unsure) = (Vec::new(), Vec::new());
+            let mut found = 0;
+            let mut known = Vec::with_capacity(followed.len());
             for mode in &followed {
-                match self.sure(mode.eigenvalue, mode.radius) {
-                    Some(true) => return Some((true, Way::Series)),
-                    Some(false) => sure.push(*mode),
-                    None => unsure.push(*mode),
+                let of_mode = self.sure(mode.eigenvalue, mode.radius);
+                found |= of_mode.inside;
+                if found == self.all() {
+                    return Some((found, Way::Series));
                 }
+                known.push(of_mode);
+            }
+            let (mut unsure, mut sure) = (Vec::new(), Vec::new());
+            for (mode, of_mode) in followed.into_iter().zip(known) {
+                if of_mode.open_but_for(found) == 0 { sure.push(mode) } else { unsure.push(mode) }
             }
             if unsure.is_empty() {
-                return Some((false, Way::Series));
+                return Some((found, Way::Series));
             }
             // The least damped first: often it is unstable, and no other is asked for.
             unsure.sort_by(|a, b| damping_ratio(a.eigenvalue).total_cmp(&damping_ratio(b.eigenvalue)));
             let problem = self.problem.at(coefficients);
-            if let Some(told) = self.by_vectors(&problem, series, &monomials, &unsure, &sure) {
+            if let Some(told) = self.by_vectors(&problem, series, &monomials, &unsure, &sure, found) {
                 return Some(told);
             }
         }
@@ -92,14 +128,14 @@ impl<'a> Decider<'a> {
         }
         let all = problem.eigenvalues().ok()?;
         let is_clear = |value: &Eigenvalue| value.im != 0.0 || value.re > NEARLY_ZERO;
-        let (clear, nearly_zero): (Vec<Eigenvalue>, Vec<_>) =
-            all.into_iter().filter(|value| self.contains(*value)).partition(is_clear);
-        let is_unstable = !clear.is_empty() || !nearly_zero.is_empty() && self.problem.is_regular(coefficients);
-        Some((is_unstable, Way::All))
+        let (clear, nearly_zero): (Vec<Eigenvalue>, Vec<_>) = all.into_iter().partition(is_clear);
+        let [found, doubtful] = [clear, nearly_zero].map(|values| self.containing(values));
+        let is_counted = doubtful & !found != 0 && self.problem.is_regular(coefficients);
+        Some((if is_counted { found | doubtful } else { found }, Way::All))
     }
 
-    /// Whether one of the followed modes that the series does not tell is unstable, by its vectors or by refining it; `None`
-    /// where the modes cannot be kept apart.
+    /// The regions in which one of the followed modes that the series does not tell is unstable, by its vectors or by refining
+    /// it, beside those that are found already; `None` where the modes cannot be kept apart.
     fn by_vectors(
         &self,
         problem: &Quadratic,
@@ -107,44 +143,75 @@ impl<'a> Decider<'a> {
         monomials: &Monomials,
         unsure: &[Followed],
         sure: &[Followed],
-    ) -> Option<(bool, Way)> {
-        let (mut pairs, mut told) = (Vec::with_capacity(unsure.len()), Vec::with_capacity(unsure.len()));
+        mut found: RegionSet,
+    ) -> Option<(RegionSet, Way)> {
+        let (mut pairs, mut known) = (Vec::with_capacity(unsure.len()), Vec::with_capacity(unsure.len()));
         for mode in unsure {
             let pair = series.pair(problem, monomials, mode)?;
-            let is_unstable = self.sure(pair.eigenvalue, pair.error);
-            if is_unstable == Some(true) {
-                return Some((true, Way::Vectors));
+            let of_pair = self.sure(pair.eigenvalue, pair.error);
+            found |= of_pair.inside;
+            if found == self.all() {
+                return Some((found, Way::Vectors));
             }
             pairs.push(pair);
-            told.push(is_unstable);
+            known.push(of_pair);
         }
-        let is_known = |i: usize| told[i].is_some() && !is_another(&pairs, i);
+        let is_known = |i: usize| known[i].open_but_for(found) == 0 && !is_another(&pairs, i);
         let way = if (0..pairs.len()).all(is_known) { Way::Vectors } else { Way::Refined };
         let settled = settled(problem, &pairs, unsure, sure, is_known)?;
-        // What the vectors have told is stable; their eigenvalues are not exact.
-        let mut refined = settled.into_iter().enumerate().filter(|(i, _)| !is_known(*i));
-        Some((refined.any(|(_, value)| self.contains(value)), way))
+        // What the vectors have told is told; their eigenvalues are not exact.
+        let refined = settled.into_iter().enumerate().filter(|(i, _)| !is_known(*i)).map(|(_, value)| value);
+        Some((found | self.containing(refined), way))
     }
 
-    /// Whether a sample is unstable by eigenvalues whose last bits depend on the processor; `None` for small problems, for
-    /// which they save no time, and where one of them is so near to the edge of a region that more than last bits matter.
-    fn clear(&self, problem: &Quadratic) -> Option<bool> {
+    /// The regions in which a sample is unstable by eigenvalues whose last bits depend on the processor; `None` for small
+    /// problems, for which they save no time, and where one of them is so near to the edge of a region that more than last
+    /// bits matter.
+    fn clear(&self, problem: &Quadratic) -> Option<RegionSet> {
         if problem.stiffness.nrows() < LARGE {
             return None;
         }
         let (all, norm) = fast_eigenvalues(&problem.companion())?;
         let zeros = problem.known_zeros(&all);
         let others = all.into_iter().enumerate().filter(|(place, _)| !zeros.contains(place));
-        told(others.map(|(_, value)| self.sure(value, CLEAR * magnitude(value) + CLEAR_OF_NORM * norm)))
+        self.told(others.map(|(_, value)| (value, CLEAR * magnitude(value) + CLEAR_OF_NORM * norm)))
     }
 
-    fn contains(&self, eigenvalue: Eigenvalue) -> bool {
-        self.regions.iter().any(|region| region.contains(eigenvalue))
+    /// All regions.
+    fn all(&self) -> RegionSet {
+        (0..self.regions.len()).map(region_at).fold(0, |all, region| all | region)
     }
 
-    /// Whether an eigenvalue that is known within a radius surely is in one of the regions, or surely in none.
-    fn sure(&self, eigenvalue: Eigenvalue, radius: f64) -> Option<bool> {
-        told(self.regions.iter().map(|region| region.sure(eigenvalue, radius + ROUNDING)))
+    /// The regions that contain one of these eigenvalues.
+    fn containing(&self, eigenvalues: impl IntoIterator<Item = Eigenvalue>) -> RegionSet {
+        let of_regions = |value: Eigenvalue| {
+            let regions = self.regions.iter().enumerate().filter(move |(_, region)| region.contains(value));
+            regions.map(|(place, _)| region_at(place))
+        };
+        eigenvalues.into_iter().flat_map(of_regions).fold(0, |found, region| found | region)
+    }
+
+    /// The regions of one eigenvalue that is known within a radius.
+    fn sure(&self, eigenvalue: Eigenvalue, radius: f64) -> Known {
+        let mut known = Known::default();
+        for (place, region) in self.regions.iter().enumerate() {
+            match region.sure(eigenvalue, radius + ROUNDING) {
+                Some(true) => known.inside |= region_at(place),
+                Some(false) => {}
+                None => known.open |= region_at(place),
+            }
+        }
+        known
+    }
+
+    /// The regions that surely have one of these eigenvalues, each known within its radius; `None` if more may.
+    fn told(&self, eigenvalues: impl IntoIterator<Item = (Eigenvalue, f64)>) -> Option<RegionSet> {
+        let mut all = Known::default();
+        for (value, radius) in eigenvalues {
+            let known = self.sure(value, radius);
+            all = Known { inside: all.inside | known.inside, open: all.open | known.open };
+        }
+        (all.open_but_for(all.inside) == 0).then_some(all.inside)
     }
 
     /// The eigenvalue in the bands whose damping ratio is least above its threshold, in rad/s; `None` if there is none in a
@@ -211,19 +278,6 @@ impl<'a> Decider<'a> {
         };
         Some(values.into_iter().map(|value| excess(self.regions, value)).fold(1.0, f64::min))
     }
-}
-
-/// Whether one of these is surely so, or all surely are not; `None` if that is not known.
-fn told(sure: impl IntoIterator<Item = Option<bool>>) -> Option<bool> {
-    let mut all_are_known = true;
-    for sure in sure {
-        match sure {
-            Some(true) => return Some(true),
-            Some(false) => {}
-            None => all_are_known = false,
-        }
-    }
-    all_are_known.then_some(false)
 }
 
 /// The pairs of followed eigenvalues by their vectors.

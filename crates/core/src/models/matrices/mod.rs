@@ -54,6 +54,8 @@ pub mod recorded;
 
 mod limit_branch;
 
+mod decided;
+
 mod samples;
 
 pub mod model;

@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
+use super::decide::region_at;
 use super::problem::{Problem, ProblemError, Solver};
 use super::recorded::PairResult;
 use super::region::Region;
-use super::samples::Samples;
+use super::samples::{Bands, Samples};
 use super::terms::{Matrices, Parameter};
 use crate::model::quantity::{Limits, Quantity};
 use crate::model::recorded::RecordedResult;
@@ -33,6 +34,13 @@ impl ComplexEigenvalue {
             damping_ratio: self.damping_ratio,
         };
         chosen.map(region).collect()
+    }
+
+    /// All bands, and those that count for `band`.
+    fn bands_for(&self, band: usize) -> Bands {
+        let is_own = |place: &usize| band == 0 || band == place + 1;
+        let places = (0..self.bands.len()).filter(is_own).map(region_at).fold(0, |set, place| set | place);
+        Bands { all: self.regions(0), own: self.regions(band), places }
     }
 }
 
@@ -172,6 +180,7 @@ pub fn quantities(parameters: &[Parameter], bands: usize) -> Vec<Quantity> {
     let band = (bands > 1).then(|| Quantity {
         limits: Limits::from(0.0, bands as f64),
         is_always_shown: true,
+        only_selects: true,
         ..Quantity::new(BAND, "1", "band of frequencies, 0 for any")
     });
     parameters.iter().map(of_parameter).chain(band).collect()
@@ -204,8 +213,8 @@ impl Model for MatrixModel {
         if band.fract() != 0.0 || band < 0.0 || band > bands as f64 {
             return Err(ModelError(format!("band = {band} is none of 0 (any) to {bands}")));
         }
-        let regions = self.criterion.regions(band as usize);
-        Ok(Samples::boxed(&self.matrices, &self.problem, regions, &self.recorded, expected, varying, like))
+        let bands = self.criterion.bands_for(band as usize);
+        Ok(Samples::boxed(&self.matrices, &self.problem, bands, &self.recorded, parameters, varying, like))
     }
 
     fn has_slow_samples(&self) -> bool {

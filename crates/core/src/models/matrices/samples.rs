@@ -1,9 +1,10 @@
 //! Samples of models given by matrices: verdicts, limit states and critical values.
 
 use std::any::Any;
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError, Weak};
 
-use super::decide::Decider;
+use super::decide::{Decider, MOST_REGIONS, RegionSet, region_at};
+use super::decided::{Asked, Decided};
 use super::limit_branch::limit_states;
 use super::problem::Problem;
 use super::recorded::PairResult;
@@ -23,6 +24,20 @@ use crate::numerics::eigenvalues::Eigenvalue;
 const MOST_NUMBERS_OF_FIRST: usize = 1 << 24;
 const MOST_NUMBERS: usize = 1 << 18;
 
+/// Coordinates from which on a sample is decided once for all bands: with fewer, that takes hardly longer than to look up what
+/// was decided.
+const LARGE: usize = 16;
+
+/// The bands of a model, and which of them count.
+pub(super) struct Bands {
+    /// All of them, rad/s.
+    pub(super) all: Vec<Region>,
+    /// Those that count, rad/s.
+    pub(super) own: Vec<Region>,
+    /// Their places among all.
+    pub(super) places: RegionSet,
+}
+
 /// What samples with the same expected values share.
 pub(super) struct Samples {
     shared: Arc<Shared>,
@@ -30,22 +45,33 @@ pub(super) struct Samples {
     like: Option<Arc<Shared>>,
     /// Whether it does.
     serves: OnceLock<bool>,
+    /// The bands that count: in rad/s, in the unit of the problem, and their places among those of [`Shared`].
+    regions: Vec<Region>,
+    scaled: Vec<Region>,
+    places: RegionSet,
+    siblings: Siblings,
 }
+
+/// What the configurations of a model share that differ by band alone.
+type Siblings = Arc<Mutex<Vec<Weak<Shared>>>>;
 
 /// A configuration with the series about its expected values, made when it is first wanted.
 struct Shared {
     matrices: Arc<Matrices>,
     problem: Problem,
-    /// rad/s.
+    /// The bands that samples are decided for together, rad/s.
     regions: Vec<Region>,
     /// The same in the unit of the problem.
     scaled: Vec<Region>,
+    /// Those of the parameters.
     expected: Vec<f64>,
     varying: Vec<usize>,
     recorded: Vec<PairResult>,
     /// Numbers that the vectors of the series may have.
     most_numbers: usize,
     series: OnceLock<Option<ModeSeries>>,
+    /// What was decided for one band and is asked for again for the others, where that takes less time than to decide it.
+    decided: Option<Decided>,
 }
 
 impl Shared {
@@ -63,34 +89,72 @@ impl Shared {
         };
         self.series.get_or_init(make).as_ref()
     }
+
+    /// The bands in which a sample is unstable; `None` if its eigenvalues do not converge.
+    fn unstable(&self, series: Option<&ModeSeries>, coefficients: &[f64]) -> Option<RegionSet> {
+        match &self.problem {
+            Problem::Dense(problem) => {
+                Decider::new(problem, &self.scaled, series).unstable(coefficients).map(|(regions, _)| regions)
+            }
+            Problem::Sparse(_) => {
+                let values = self.problem.eigenvalues(coefficients, &self.regions).ok()?;
+                let is_below = |region: &Region| {
+                    values.iter().any(|value| excess(std::slice::from_ref(region), *value) < -RESOLUTION)
+                };
+                let below = self.regions.iter().enumerate().filter(|(_, region)| is_below(region));
+                Some(below.fold(0, |found, (place, _)| found | region_at(place)))
+            }
+        }
+    }
 }
 
 impl Samples {
-    /// The samples with these expected values of all quantities that differ in the `varying` ones.
+    /// The samples with these expected values of all parameters that differ in the `varying` ones.
     pub(super) fn boxed(
         matrices: &Arc<Matrices>,
         problem: &Problem,
-        regions: Vec<Region>,
+        bands: Bands,
         recorded: &[PairResult],
         expected: &[f64],
         varying: &[usize],
         like: Option<&dyn Configuration>,
     ) -> Box<dyn Configuration> {
-        let is_first = like.is_none();
-        let like = like.and_then(Self::from_any).map(|like| like.shared.clone());
-        let like = like.filter(|like| like.regions == regions && like.varying == varying);
-        let shared = Shared {
+        let like = like.and_then(Self::from_any);
+        let siblings = like.map_or_else(Siblings::default, |like| like.siblings.clone());
+        let is_shared = (2..=MOST_REGIONS).contains(&bands.all.len()) && matrices.size() >= LARGE;
+        let own = bands.own;
+        let (all, places) = if is_shared { (bands.all, bands.places) } else { (own.clone(), RegionSet::MAX) };
+        let is_same = |shared: &Arc<Shared>| {
+            let bits = |values: &[f64]| values.iter().map(|value| value.to_bits()).collect::<Vec<u64>>();
+            shared.regions == all && shared.varying == varying && bits(&shared.expected) == bits(expected)
+        };
+        let scale = |regions: &[Region]| regions.iter().map(|region| region.in_unit(problem.unit())).collect();
+        let make = || Shared {
             matrices: matrices.clone(),
             problem: problem.clone(),
-            scaled: regions.iter().map(|region| region.in_unit(problem.unit())).collect(),
-            regions,
+            scaled: scale(&all),
+            regions: all.clone(),
             expected: expected.to_vec(),
             varying: varying.to_vec(),
             recorded: recorded.to_vec(),
-            most_numbers: if is_first { MOST_NUMBERS_OF_FIRST } else { MOST_NUMBERS },
+            most_numbers: if like.is_none() { MOST_NUMBERS_OF_FIRST } else { MOST_NUMBERS },
             series: OnceLock::new(),
+            decided: is_shared.then(|| Decided::new(all.len() as u32)),
         };
-        Box::new(Self { shared: Arc::new(shared), like, serves: OnceLock::new() })
+        let shared = {
+            let mut known = siblings.lock().unwrap_or_else(PoisonError::into_inner);
+            known.retain(|shared| shared.strong_count() > 0);
+            let found = known.iter().filter_map(Weak::upgrade).find(is_same);
+            found.unwrap_or_else(|| {
+                let made = Arc::new(make());
+                known.push(Arc::downgrade(&made));
+                made
+            })
+        };
+        let like = like.map(|like| like.shared.clone());
+        let like = like.filter(|like| like.regions == shared.regions && like.varying == varying);
+        let (scaled, serves) = (scale(&own), OnceLock::new());
+        Box::new(Self { shared, like, serves, regions: own, scaled, places, siblings })
     }
 
     fn from_any(configuration: &dyn Configuration) -> Option<&Self> {
@@ -99,7 +163,7 @@ impl Samples {
     }
 
     fn series(&self) -> Option<&ModeSeries> {
-        let other = self.like.as_ref();
+        let other = self.like.as_ref().filter(|other| !Arc::ptr_eq(other, &self.shared));
         let reaches =
             |other: &Arc<Shared>| other.series().is_some_and(|series| series.reaches_beyond(&self.shared.origin()));
         let serves = *self.serves.get_or_init(|| other.is_some_and(reaches));
@@ -110,34 +174,36 @@ impl Samples {
         self.shared.matrices.coefficients(&samples.complete(sample, &self.shared.expected, &self.shared.varying))
     }
 
-    fn verdict(&self, coefficients: &[f64]) -> Verdict {
+    /// The verdict of a sample; `None` if it is being decided for another band and is not `wanted_now`.
+    fn verdict(&self, coefficients: &[f64], wanted_now: bool) -> Option<Verdict> {
         if coefficients.iter().any(|value| !value.is_finite()) {
-            return Verdict::Failed;
+            return Some(Verdict::Failed);
         }
-        let unstable = match &self.shared.problem {
-            Problem::Dense(problem) => {
-                Decider::new(problem, &self.shared.scaled, self.series()).is_unstable(coefficients).map(|(is, _)| is)
-            }
-            Problem::Sparse(_) => self.excess(coefficients).map(|excess| excess < -RESOLUTION),
+        let decide = || self.shared.unstable(self.series(), coefficients);
+        let unstable = match self.shared.decided.as_ref().map(|decided| decided.ask(coefficients)) {
+            Some(Asked::InWork) if !wanted_now => return None,
+            Some(Asked::InWork) | None => decide(),
+            Some(Asked::Decided(unstable)) => unstable,
+            Some(Asked::Unknown(undecided)) => undecided.decided(decide()),
         };
-        match unstable {
-            Some(true) => Verdict::Unstable,
-            Some(false) => Verdict::Stable,
+        Some(match unstable {
+            Some(regions) if regions & self.places != 0 => Verdict::Unstable,
+            Some(_) => Verdict::Stable,
             None => Verdict::Failed,
-        }
+        })
     }
 
     /// The smallest damping ratio in the bands less its threshold, by all eigenvalues; 1 where there is no pair in a band.
     fn excess(&self, coefficients: &[f64]) -> Option<f64> {
-        let values = self.shared.problem.eigenvalues(coefficients, &self.shared.regions).ok()?;
-        Some(values.iter().map(|value| excess(&self.shared.regions, *value)).fold(1.0, f64::min))
+        let values = self.shared.problem.eigenvalues(coefficients, &self.regions).ok()?;
+        Some(values.iter().map(|value| excess(&self.regions, *value)).fold(1.0, f64::min))
     }
 
     /// The eigenvalue that this is of, in rad/s.
     fn least_damped(&self, coefficients: &[f64]) -> Option<Eigenvalue> {
-        let Shared { problem, regions, scaled, .. } = &*self.shared;
+        let (problem, regions) = (&self.shared.problem, &self.regions);
         if let Problem::Dense(problem) = problem {
-            return Decider::new(problem, scaled, self.series()).least_damped(coefficients);
+            return Decider::new(problem, &self.scaled, self.series()).least_damped(coefficients);
         }
         let values = problem.eigenvalues(coefficients, regions).ok()?;
         values.into_iter().min_by(|a, b| excess(regions, *a).total_cmp(&excess(regions, *b)))
@@ -176,18 +242,25 @@ impl Samples {
 
 impl Configuration for Samples {
     fn decide(&self, samples: &Columns<'_>, wanted: &[usize], is_stopped: IsStopped<'_>) -> Option<Vec<Decision>> {
-        let decide = |&sample: &usize| {
-            if is_stopped() {
-                return None;
-            }
+        let decide = |sample: usize, wanted_now: bool| {
             if self.is_outside(samples, sample) {
                 return Some(Decision::OUTSIDE_PHYSICS);
             }
             let coefficients = self.coefficients(samples, sample);
-            let verdict = self.verdict(&coefficients);
+            let verdict = self.verdict(&coefficients, wanted_now)?;
             Some(Decision { recorded: self.recorded(verdict, &coefficients), ..verdict.into() })
         };
-        wanted.iter().map(decide).collect()
+        // What is being decided for another band comes last.
+        let mut decisions = vec![None; wanted.len()];
+        for wanted_now in [false, true] {
+            for (decision, &sample) in decisions.iter_mut().zip(wanted).filter(|(decision, _)| decision.is_none()) {
+                if is_stopped() {
+                    return None;
+                }
+                *decision = decide(sample, wanted_now);
+            }
+        }
+        decisions.into_iter().collect()
     }
 
     fn outside(&self, samples: &Columns<'_>) -> Option<Vec<bool>> {
@@ -200,7 +273,7 @@ impl Configuration for Samples {
             let coefficients = self.coefficients(samples, sample);
             let state = match &self.shared.problem {
                 Problem::Dense(problem) => {
-                    Decider::new(problem, &self.shared.scaled, self.series()).limit_state(&coefficients)
+                    Decider::new(problem, &self.scaled, self.series()).limit_state(&coefficients)
                 }
                 Problem::Sparse(_) => self.excess(&coefficients),
             };
@@ -222,7 +295,7 @@ impl Configuration for Samples {
         let states = |sample: usize| {
             let values = problem.at(&self.coefficients(samples, sample)).eigenvalues();
             let Ok(values) = values else { return vec![f64::NAN; problem.size()] };
-            let mut states = limit_states(&values, &self.shared.scaled);
+            let mut states = limit_states(&values, &self.scaled);
             // Two motions that dampers alone hold have one together.
             states.resize(problem.size(), 1.0);
             states
@@ -237,7 +310,7 @@ impl Configuration for Samples {
     fn unstable_frequencies(&self, samples: &Columns<'_>) -> Option<Vec<f64>> {
         let of_sample = |sample: usize| {
             let least = self.least_damped(&self.coefficients(samples, sample));
-            let is_unstable = |value: &Eigenvalue| self.shared.regions.iter().any(|region| region.contains(*value));
+            let is_unstable = |value: &Eigenvalue| self.regions.iter().any(|region| region.contains(*value));
             let unstable = least.filter(|value| !self.is_outside(samples, sample) && is_unstable(value));
             unstable.map_or(f64::NAN, |value| value.im.abs() / std::f64::consts::TAU)
         };
@@ -248,7 +321,7 @@ impl Configuration for Samples {
 impl CriticalValues for Samples {
     /// Values beyond the ranges of parameters are outside the model, and not unstable.
     fn unstable(&self, values: &[f64], place: usize, places: &[f64], memory: &dyn Memory) -> Option<UnstableValues> {
-        let Shared { matrices, problem, regions, expected, varying, .. } = &*self.shared;
+        let (Shared { matrices, problem, expected, varying, .. }, regions) = (&*self.shared, &self.regions);
         let mut complete = expected.clone();
         varying.iter().zip(values).for_each(|(&place, value)| complete[place] = *value);
         let place = *varying.get(place)?;

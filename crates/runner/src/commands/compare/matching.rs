@@ -116,7 +116,7 @@ impl Matching {
         let mut cells = Vec::new();
         for index in 0..a.cells() {
             if let Some(other) = in_second.get_mut(&values(a, &places_in_a, index)).and_then(Vec::pop) {
-                let same_stream = common || index == other;
+                let same_stream = common || a.stream_of(index) == b.stream_of(other);
                 let dependence = if same_stream { dependence } else { Dependence::Independent };
                 cells.push(MatchedCell { first: index, second: other, dependence });
             }
