@@ -9,7 +9,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use super::decide::RegionSet;
 
-/// Samples that are kept at most; one takes some 40 bytes.
+/// Samples that are kept at most, some 50 bytes each.
 const MOST: usize = 1 << 20;
 
 /// The regions in which samples are unstable; none of one whose eigenvalues do not converge.
@@ -49,9 +49,9 @@ impl Decided {
         Self { known: Mutex::default(), repeats }
     }
 
-    /// What is known of the sample with these coefficients.
-    pub(super) fn ask(&self, coefficients: &[f64]) -> Asked<'_> {
-        let key = key(coefficients);
+    /// What is known of the sample with these coefficients, of a configuration with these expected values.
+    pub(super) fn ask(&self, of: [&[f64]; 2]) -> Asked<'_> {
+        let key = key(of);
         let mut known = self.lock();
         let is_full = known.len() >= MOST;
         match known.get_mut(&key) {
@@ -98,11 +98,11 @@ impl Drop for Undecided<'_> {
 }
 
 /// 128 bits of numbers, by which they are told apart.
-fn key(numbers: &[f64]) -> u128 {
+fn key(of: [&[f64]; 2]) -> u128 {
     let half = |first: u8| {
         let mut hasher = DefaultHasher::new();
         hasher.write_u8(first);
-        numbers.iter().for_each(|number| hasher.write_u64(number.to_bits()));
+        of.into_iter().flatten().for_each(|number| hasher.write_u64(number.to_bits()));
         u128::from(hasher.finish())
     };
     half(0) << 64 | half(1)
@@ -112,8 +112,8 @@ fn key(numbers: &[f64]) -> u128 {
 mod tests {
     use super::*;
 
-    fn unknown<'a>(decided: &'a Decided, coefficients: &[f64]) -> Undecided<'a> {
-        match decided.ask(coefficients) {
+    fn unknown<'a>(decided: &'a Decided, of: [&[f64]; 2]) -> Undecided<'a> {
+        match decided.ask(of) {
             Asked::Unknown(undecided) => undecided,
             Asked::Decided(_) | Asked::InWork => panic!("it is known"),
         }
@@ -122,19 +122,19 @@ mod tests {
     #[test]
     fn a_sample_is_decided_once_and_kept_until_all_have_asked() {
         let decided = Decided::new(2);
-        let one = unknown(&decided, &[1.0, 2.0]);
-        assert!(matches!(decided.ask(&[1.0, 2.0]), Asked::InWork));
-        let other = unknown(&decided, &[2.0, 1.0]);
+        let one = unknown(&decided, [&[0.5], &[1.0, 2.0]]);
+        assert!(matches!(decided.ask([&[0.5], &[1.0, 2.0]]), Asked::InWork));
+        let other = unknown(&decided, [&[0.5], &[2.0, 1.0]]);
         assert_eq!(one.decided(Some(5)), Some(5));
         assert_eq!(other.decided(None), None);
         for _ in 0..2 {
-            assert!(matches!(decided.ask(&[1.0, 2.0]), Asked::Decided(Some(5))));
-            assert!(matches!(decided.ask(&[2.0, 1.0]), Asked::Decided(None)));
+            assert!(matches!(decided.ask([&[0.5], &[1.0, 2.0]]), Asked::Decided(Some(5))));
+            assert!(matches!(decided.ask([&[0.5], &[2.0, 1.0]]), Asked::Decided(None)));
         }
         assert!(decided.lock().is_empty());
         // Where work on it ends before it is decided, another does it.
-        drop(unknown(&decided, &[1.0, 2.0]));
-        let again = unknown(&decided, &[1.0, 2.0]);
+        drop(unknown(&decided, [&[0.5], &[1.0, 2.0]]));
+        let again = unknown(&decided, [&[0.5], &[1.0, 2.0]]);
         assert_eq!(again.decided(Some(0)), Some(0));
     }
 }

@@ -49,11 +49,15 @@ pub(super) struct Samples {
     regions: Vec<Region>,
     scaled: Vec<Region>,
     places: RegionSet,
-    siblings: Siblings,
+    family: Arc<Family>,
 }
 
-/// What the configurations of a model share that differ by band alone.
-type Siblings = Arc<Mutex<Vec<Weak<Shared>>>>;
+/// All configurations of a model, of which those that differ by band alone share what is computed.
+struct Family {
+    members: Mutex<Vec<Weak<Shared>>>,
+    /// What was decided for one band and is asked for again for the others.
+    decided: Decided,
+}
 
 /// A configuration with the series about its expected values, made when it is first wanted.
 struct Shared {
@@ -70,8 +74,8 @@ struct Shared {
     /// Numbers that the vectors of the series may have.
     most_numbers: usize,
     series: OnceLock<Option<ModeSeries>>,
-    /// What was decided for one band and is asked for again for the others, where that takes less time than to decide it.
-    decided: Option<Decided>,
+    /// Whether samples are decided for several bands together.
+    is_shared: bool,
 }
 
 impl Shared {
@@ -120,10 +124,11 @@ impl Samples {
         like: Option<&dyn Configuration>,
     ) -> Box<dyn Configuration> {
         let like = like.and_then(Self::from_any);
-        let siblings = like.map_or_else(Siblings::default, |like| like.siblings.clone());
         let is_shared = (2..=MOST_REGIONS).contains(&bands.all.len()) && matrices.size() >= LARGE;
         let own = bands.own;
         let (all, places) = if is_shared { (bands.all, bands.places) } else { (own.clone(), RegionSet::MAX) };
+        let new_family = || Arc::new(Family { members: Mutex::default(), decided: Decided::new(all.len() as u32) });
+        let family = like.map_or_else(new_family, |like| like.family.clone());
         let is_same = |shared: &Arc<Shared>| {
             let bits = |values: &[f64]| values.iter().map(|value| value.to_bits()).collect::<Vec<u64>>();
             shared.regions == all && shared.varying == varying && bits(&shared.expected) == bits(expected)
@@ -139,10 +144,10 @@ impl Samples {
             recorded: recorded.to_vec(),
             most_numbers: if like.is_none() { MOST_NUMBERS_OF_FIRST } else { MOST_NUMBERS },
             series: OnceLock::new(),
-            decided: is_shared.then(|| Decided::new(all.len() as u32)),
+            is_shared,
         };
         let shared = {
-            let mut known = siblings.lock().unwrap_or_else(PoisonError::into_inner);
+            let mut known = family.members.lock().unwrap_or_else(PoisonError::into_inner);
             known.retain(|shared| shared.strong_count() > 0);
             let found = known.iter().filter_map(Weak::upgrade).find(is_same);
             found.unwrap_or_else(|| {
@@ -154,7 +159,7 @@ impl Samples {
         let like = like.map(|like| like.shared.clone());
         let like = like.filter(|like| like.regions == shared.regions && like.varying == varying);
         let (scaled, serves) = (scale(&own), OnceLock::new());
-        Box::new(Self { shared, like, serves, regions: own, scaled, places, siblings })
+        Box::new(Self { shared, like, serves, regions: own, scaled, places, family })
     }
 
     fn from_any(configuration: &dyn Configuration) -> Option<&Self> {
@@ -180,7 +185,8 @@ impl Samples {
             return Some(Verdict::Failed);
         }
         let decide = || self.shared.unstable(self.series(), coefficients);
-        let unstable = match self.shared.decided.as_ref().map(|decided| decided.ask(coefficients)) {
+        let Shared { expected, is_shared, .. } = &*self.shared;
+        let unstable = match is_shared.then(|| self.family.decided.ask([expected, coefficients])) {
             Some(Asked::InWork) if !wanted_now => return None,
             Some(Asked::InWork) | None => decide(),
             Some(Asked::Decided(unstable)) => unstable,
