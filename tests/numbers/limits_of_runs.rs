@@ -167,6 +167,12 @@ fn a_job_that_is_written_again_without_what_it_asked_is_never_called_mended() {
             let verified = place.run("verify run").refused(74, &["damaged: job.toml", "`--out run`"]);
             let said = format!("the surface holds what it was, but for {lacking}, and it is written again\n");
             assert!(verified.stdout.contains(&said), "{lacking} {left:?}: {}", verified.stdout);
+            // It is not forgotten.
+            for _ in 0..2 {
+                let again = place.run("verify run").refused(74, &["damaged: job.toml", "`--out run`"]);
+                let said = format!("job.toml: it was written again without {lacking}\n");
+                assert!(again.stdout.contains(&said), "{}", again.stdout);
+            }
             if let Some(left) = left {
                 assert_eq!(fs::read_to_string(place.path("run/job.toml.damaged")).unwrap(), left);
                 fs::remove_file(place.path("run/job.toml.damaged")).unwrap();

@@ -200,6 +200,24 @@ fn cells_that_differ_by_band_alone_have_the_same_samples() {
         let (most, sum) = (unstable[1..].iter().copied().fold(0.0, f64::max), unstable[1..].iter().sum::<f64>());
         assert!(most > 20.0 && (most..=sum).contains(&unstable[0]) && unstable[4] == 0.0, "{pairs} {unstable:?}");
     }
+    // Also where another axis is slower.
+    let over = |criterion: &str| {
+        let text = flutter(10, criterion, "samples = 300");
+        text.replace("[random]", "[axes]\nmu = [0.4, 0.5]\n[random]")
+    };
+    place.write("axis.toml", &over(&list(&bands)));
+    place.write("axis-one.toml", &over(&format!("frequency = {:?}", bands[2])));
+    let [all, one] = ["axis", "axis-one"].map(|name| {
+        place.run(&format!("submit {name}.toml --out {name}")).done();
+        Table::read(&place.path(&format!("{name}/surface.parquet")))
+    });
+    let rows = |table: &Table, band: Option<f64>| {
+        let bands = band.map(|_| table.column("band"));
+        let of_band = |row: &usize| bands.is_none_or(|bands| Some(bands[*row]) == band);
+        let values = [table.column("mu"), table.column("n_unstable")];
+        (0..values[0].len()).filter(of_band).map(|row| values.map(|column| column[row])).collect::<Vec<_>>()
+    };
+    assert_eq!(rows(&all, Some(3.0)), rows(&one, None));
     // Runs with other bands share the samples of the bands that both have.
     place.write("fewer.toml", &flutter(10, &list(&bands[..2]), "samples = 300"));
     place.write("more.toml", &flutter(10, &list(&bands), "samples = 300"));

@@ -278,18 +278,18 @@ impl Grid {
         first
     }
 
-    /// The index of the cell with the first value of a quantity that agrees with that at `index` in all else.
+    /// The index of a cell in the grid without the axis of a quantity, if it has one.
     #[must_use]
-    pub fn cell_with_first(&self, quantity: usize, index: u64) -> u64 {
-        let (mut stride, mut rest) = (1, index);
+    pub fn index_without(&self, quantity: usize, index: u64) -> u64 {
+        let (mut without, mut stride, mut rest) = (0, 1, index);
         for (axis, length) in self.radices().rev() {
-            if axis.is_some_and(|axis| axis.quantity == quantity) {
-                return index - rest % length * stride;
+            if axis.is_none_or(|axis| axis.quantity != quantity) {
+                without += rest % length * stride;
+                stride *= length;
             }
             rest /= length;
-            stride *= length;
         }
-        index
+        without
     }
 
     /// The axis of a quantity, if it has one.
@@ -443,16 +443,22 @@ mod tests {
             assert!(!before, "the first of configuration {configuration}");
         }
         for quantity in 0..6 {
+            // Without an axis a grid has the same cells in the same order.
+            let mut without = grid.clone();
+            let place = without.axes.iter().position(|axis| axis.quantity == quantity).unwrap();
+            without.axes.remove(place);
+            without.slower_than_scatter -= usize::from(place < grid.slower_than_scatter);
             for index in 0..288 {
+                let [mut cell, other] = [grid.cell(index), without.cell(grid.index_without(quantity, index))];
+                cell.expected[quantity] = f64::NAN;
+                let bits = |cell: &Cell| cell.expected.iter().map(|value| value.to_bits()).collect::<Vec<u64>>();
+                assert_eq!((bits(&cell), cell.scatter), (bits(&other), other.scatter));
                 let is_like = |other: &u64| {
                     let [mut a, mut b] = [index, *other].map(|index| grid.cell(index).expected);
                     (a[quantity], b[quantity]) = (0.0, 0.0);
                     a == b
                 };
                 assert_eq!(Some(grid.first_cell_but_for(quantity, index)), (0..288).find(is_like));
-                let scatters = |other: &u64| grid.cell(*other).scatter == grid.cell(index).scatter;
-                let first = (0..288).filter(scatters).find(is_like);
-                assert_eq!(Some(grid.cell_with_first(quantity, index)), first);
             }
         }
     }

@@ -18,7 +18,7 @@ use crate::output::{counted, quoted, result, warn, warn_of};
 use crate::store::digests::{DIGESTS, Digests, Fit, Known, digest_of_file};
 use crate::store::directory::RunDirectory;
 use crate::store::file_state::{FileState, state_of};
-use crate::store::frozen_job::set_asked;
+use crate::store::frozen_job::keep_asked;
 use crate::store::layout::{AUDITS, JOB, LIMITS, MAPS, RECORD, SEARCHES, SHARDS, SURFACE, WITH_DIGESTS};
 use crate::store::lock::Access;
 use crate::store::map_pieces;
@@ -205,7 +205,14 @@ impl Check<'_> {
         let why = match directory.job_source() {
             Ok(Some(source)) => match source.job_to_read() {
                 Ok(job) => {
-                    self.find(JOB, State::Sound, "sound");
+                    match &directory.lost_tables(&job)?[..] {
+                        [] => self.find(JOB, State::Sound, "sound"),
+                        lost => self.find(
+                            JOB,
+                            State::Broken,
+                            format!("it was written again without {}", lost.join(" and ")),
+                        ),
+                    }
                     return Ok(Some(job));
                 }
                 Err(refused) => {
@@ -416,7 +423,7 @@ impl Check<'_> {
     fn write_digests(&self, job: &Job) -> Result<(), Failure> {
         let root = self.directory.root();
         let mut digests = Digests::default();
-        set_asked(&mut digests, job);
+        keep_asked(&mut digests, &Known::read(root)?.into_digests(), job);
         for name in WITH_DIGESTS {
             let file = root.open_if_there(name).map_err(|error| Failure::reading(&root.path().join(name), error))?;
             let digest = file.map(digest_of_file).transpose();

@@ -171,8 +171,10 @@ impl Job {
 
     /// How many of them there are however long a sample takes, which is not known of a model without its files.
     pub fn certain_plain_samples(&self) -> u64 {
-        let is_usual = self.sampling.audit == self.sampling.usual_audit;
-        if is_usual { self.plain_samples().min(FEW_PLAIN_SAMPLES) } else { self.plain_samples() }
+        match FEW_PLAIN_SAMPLES {
+            Audit::Samples(few) if self.sampling.audit == self.sampling.usual_audit => self.plain_samples().min(few),
+            _ => self.plain_samples(),
+        }
     }
 
     /// Samples at a limit and at each end of its axis, decided the surest way there is: plain ones, or over a verdict map
@@ -200,11 +202,10 @@ impl Job {
         DeviateStream { seed, common_random_numbers, dimensions, points }
     }
 
-    /// The cell whose deviates a cell draws: its own, or those of the first that differs from it only in what of a sample
-    /// counts.
+    /// The number by which a cell draws its deviates: its index without the axis of what of a sample counts.
     pub fn stream_of(&self, cell: u64) -> u64 {
         let selects = self.model().quantities().iter().position(|quantity| quantity.only_selects);
-        selects.map_or(cell, |quantity| self.grid.cell_with_first(quantity, cell))
+        selects.map_or(cell, |quantity| self.grid.index_without(quantity, cell))
     }
 
     /// Whether drawing and deciding a sample costs little more than its random numbers: only the pair

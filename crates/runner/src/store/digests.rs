@@ -111,6 +111,13 @@ impl Digests {
         };
     }
 
+    /// Takes the digests of the file `name` over from others that have some.
+    pub fn keep(&mut self, name: &str, others: &Self) {
+        if let Some(known) = others.files.get(name) {
+            self.files.insert(name.to_owned(), known.clone());
+        }
+    }
+
     /// Writes the digests to a directory.
     pub fn publish(&self, folder: &Folder) -> Result<(), Failure> {
         let path = folder.path().join(DIGESTS);

@@ -147,24 +147,24 @@ impl RunDirectory {
     /// Freezes the job, in place of the one before if there is one. This process must work alone.
     pub fn freeze(&self, source: &JobSource, job: &Job) -> Result<(), Failure> {
         let text = source.frozen(job);
-        self.expect_job(&text, job)?;
+        self.change_digests(|digests| {
+            self.expect_among(digests, JOB, &digest_of_bytes(text.as_bytes()));
+            set_asked(digests, job);
+        })?;
         self.publish(JOB, text.as_bytes())
     }
 
     /// Freezes the job, unless another process has just frozen one where no lock keeps it out; returns false then.
     pub fn freeze_first(&self, source: &JobSource, job: &Job) -> Result<bool, Failure> {
         let text = source.frozen(job);
-        self.expect_job(&text, job)?;
+        self.expect(JOB, &digest_of_bytes(text.as_bytes()))?;
         let path = self.path().join(JOB);
-        self.root().publish_first(JOB, text.as_bytes()).map_err(|error| Failure::writing(&path, error))
-    }
-
-    /// Writes the digest of the text of a job, and of what it asks of its result, which the surface does not hold.
-    fn expect_job(&self, text: &str, job: &Job) -> Result<(), Failure> {
-        self.change_digests(|digests| {
-            self.expect_among(digests, JOB, &digest_of_bytes(text.as_bytes()));
-            set_asked(digests, job);
-        })
+        let is_first =
+            self.root().publish_first(JOB, text.as_bytes()).map_err(|error| Failure::writing(&path, error))?;
+        if is_first {
+            self.change_digests(|digests| set_asked(digests, job))?;
+        }
+        Ok(is_first)
     }
 
     /// Of the tables that ask for something of the result, those that a job lacks of the one that was frozen, or may lack.
@@ -172,11 +172,17 @@ impl RunDirectory {
         let known = Known::read(self.root())?;
         let lacks = |(table, text): (&str, String)| match known.fit(&entry_of(table), &digest_of_bytes(text.as_bytes()))
         {
-            Fit::Fits => None,
             Fit::Differs => Some(format!("[{table}]")),
-            Fit::Unknown => Some(format!("[{table}] if it had one")),
+            Fit::Unknown if text.is_empty() => Some(format!("[{table}] if it had one")),
+            Fit::Fits | Fit::Unknown => None,
         };
         Ok(job.asked_tables().into_iter().filter_map(lacks).collect())
+    }
+
+    /// Of them, those that it surely lacks.
+    pub fn lost_tables(&self, job: &Job) -> Result<Vec<String>, Failure> {
+        let lacking = self.lacking_tables(job)?;
+        Ok(lacking.into_iter().filter(|table| table.ends_with(']')).collect())
     }
 }
 
@@ -186,8 +192,16 @@ fn entry_of(table: &str) -> String {
 }
 
 /// Sets the digests of what a job asks of its result.
-pub fn set_asked(digests: &mut Digests, job: &Job) {
+fn set_asked(digests: &mut Digests, job: &Job) {
     for (table, text) in job.asked_tables() {
         digests.set(&entry_of(table), Some(digest_of_bytes(text.as_bytes())));
+    }
+}
+
+/// Those digests as they are known, else of this job.
+pub fn keep_asked(digests: &mut Digests, known: &Digests, job: &Job) {
+    set_asked(digests, job);
+    for (table, _) in job.asked_tables() {
+        digests.keep(&entry_of(table), known);
     }
 }

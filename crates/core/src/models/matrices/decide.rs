@@ -33,8 +33,10 @@ const CLEAR_OF_NORM: f64 = 1e-9;
 /// Decides samples of a problem about an origin.
 pub struct Decider<'a> {
     problem: &'a DenseQuadratic,
-    /// In the unit of the problem; a pair in one of them makes a sample unstable.
+    /// In the unit of the problem.
     regions: &'a [Region],
+    /// Whether they are kept apart; else only whether a pair is in one of them.
+    are_apart: bool,
     series: Option<&'a ModeSeries>,
 }
 
@@ -82,56 +84,74 @@ impl Known {
 }
 
 impl<'a> Decider<'a> {
-    /// Decides by regions in the unit of the problem, with a series if there is one.
-    pub(super) fn new(problem: &'a DenseQuadratic, regions: &'a [Region], series: Option<&'a ModeSeries>) -> Self {
-        Self { problem, regions, series }
+    /// Decides whether samples are unstable in one of these regions, in the unit of the problem, with a series if there is one.
+    pub(super) fn of_any(problem: &'a DenseQuadratic, regions: &'a [Region], series: Option<&'a ModeSeries>) -> Self {
+        Self { problem, regions, are_apart: false, series }
     }
 
-    /// The regions in which a sample with these coefficients is unstable, and how that was found; `None` if eigenvalues do not
-    /// converge.
+    /// Decides in which of these regions samples are unstable, by all eigenvalues.
+    pub(super) fn of_each(problem: &'a DenseQuadratic, regions: &'a [Region]) -> Self {
+        Self { problem, regions, are_apart: true, series: None }
+    }
+
+    /// The set of the region at a place.
+    fn region_at(&self, place: usize) -> RegionSet {
+        if self.are_apart { region_at(place) } else { 1 }
+    }
+
+    /// The regions in which a sample with these coefficients is unstable, without all eigenvalues, and how that was found; `None`
+    /// where that does not tell.
     #[must_use]
-    pub fn unstable(&self, coefficients: &[f64]) -> Option<(RegionSet, Way)> {
+    pub fn by_series(&self, coefficients: &[f64]) -> Option<(RegionSet, Way)> {
         if let Some(values) = two_coordinates::eigenvalues(self.problem, coefficients)
             && let Some(told) = self.told(values)
         {
             return Some((told, Way::ClosedForm));
         }
-        let followed = self.series.and_then(|series| Some((series, series.follow(coefficients)?)));
-        if let Some((series, (monomials, followed))) = followed {
-            let mut found = 0;
-            let mut known = Vec::with_capacity(followed.len());
-            for mode in &followed {
-                let of_mode = self.sure(mode.eigenvalue, mode.radius);
-                found |= of_mode.inside;
-                if found == self.all() {
-                    return Some((found, Way::Series));
-                }
-                known.push(of_mode);
-            }
-            let (mut unsure, mut sure) = (Vec::new(), Vec::new());
-            for (mode, of_mode) in followed.into_iter().zip(known) {
-                if of_mode.open_but_for(found) == 0 { sure.push(mode) } else { unsure.push(mode) }
-            }
-            if unsure.is_empty() {
+        let series = self.series?;
+        let (monomials, followed) = series.follow(coefficients)?;
+        let mut found = 0;
+        let mut known = Vec::with_capacity(followed.len());
+        for mode in &followed {
+            let of_mode = self.sure(mode.eigenvalue, mode.radius);
+            found |= of_mode.inside;
+            if found == self.all() {
                 return Some((found, Way::Series));
             }
-            // The least damped first: often it is unstable, and no other is asked for.
-            unsure.sort_by(|a, b| damping_ratio(a.eigenvalue).total_cmp(&damping_ratio(b.eigenvalue)));
-            let problem = self.problem.at(coefficients);
-            if let Some(told) = self.by_vectors(&problem, series, &monomials, &unsure, &sure, found) {
-                return Some(told);
-            }
+            known.push(of_mode);
         }
+        let (mut unsure, mut sure) = (Vec::new(), Vec::new());
+        for (mode, of_mode) in followed.into_iter().zip(known) {
+            if of_mode.open_but_for(found) == 0 { sure.push(mode) } else { unsure.push(mode) }
+        }
+        if unsure.is_empty() {
+            return Some((found, Way::Series));
+        }
+        // The least damped first: often it is unstable, and no other is asked for.
+        unsure.sort_by(|a, b| damping_ratio(a.eigenvalue).total_cmp(&damping_ratio(b.eigenvalue)));
+        self.by_vectors(&self.problem.at(coefficients), series, &monomials, &unsure, &sure, found)
+    }
+
+    /// The regions in which all eigenvalues show a sample unstable; `None` if they do not converge.
+    #[must_use]
+    pub fn by_all(&self, coefficients: &[f64]) -> Option<RegionSet> {
         let problem = self.problem.at(coefficients);
         if let Some(told) = self.clear(&problem) {
-            return Some((told, Way::All));
+            return Some(told);
         }
         let all = problem.eigenvalues().ok()?;
         let is_clear = |value: &Eigenvalue| value.im != 0.0 || value.re > NEARLY_ZERO;
         let (clear, nearly_zero): (Vec<Eigenvalue>, Vec<_>) = all.into_iter().partition(is_clear);
         let [found, doubtful] = [clear, nearly_zero].map(|values| self.containing(values));
         let is_counted = doubtful & !found != 0 && self.problem.is_regular(coefficients);
-        Some((if is_counted { found | doubtful } else { found }, Way::All))
+        Some(if is_counted { found | doubtful } else { found })
+    }
+
+    /// Whether a sample is unstable in one of the regions, and how that was found.
+    #[cfg(test)]
+    pub(super) fn is_unstable(&self, coefficients: &[f64]) -> Option<(bool, Way)> {
+        let by_all = || Some((self.by_all(coefficients)?, Way::All));
+        self.by_series(coefficients).or_else(by_all).map(|(regions, way)| (regions != 0, way))
     }
 
     /// The regions in which one of the followed modes that the series does not tell is unstable, by its vectors or by refining
@@ -179,14 +199,14 @@ impl<'a> Decider<'a> {
 
     /// All regions.
     fn all(&self) -> RegionSet {
-        (0..self.regions.len()).map(region_at).fold(0, |all, region| all | region)
+        (0..self.regions.len()).fold(0, |all, place| all | self.region_at(place))
     }
 
     /// The regions that contain one of these eigenvalues.
     fn containing(&self, eigenvalues: impl IntoIterator<Item = Eigenvalue>) -> RegionSet {
         let of_regions = |value: Eigenvalue| {
             let regions = self.regions.iter().enumerate().filter(move |(_, region)| region.contains(value));
-            regions.map(|(place, _)| region_at(place))
+            regions.map(|(place, _)| self.region_at(place))
         };
         eigenvalues.into_iter().flat_map(of_regions).fold(0, |found, region| found | region)
     }
@@ -196,9 +216,9 @@ impl<'a> Decider<'a> {
         let mut known = Known::default();
         for (place, region) in self.regions.iter().enumerate() {
             match region.sure(eigenvalue, radius + ROUNDING) {
-                Some(true) => known.inside |= region_at(place),
+                Some(true) => known.inside |= self.region_at(place),
                 Some(false) => {}
-                None => known.open |= region_at(place),
+                None => known.open |= self.region_at(place),
             }
         }
         known

@@ -1,7 +1,7 @@
-//! Decisions on samples that are asked for again with another band.
+//! What all eigenvalues of samples have said of every band.
 //!
-//! Cells that differ by band alone have the same samples. What decides one tells of every band, and is kept until all have
-//! asked.
+//! Cells that differ by band alone have the same samples. Where all eigenvalues of one are needed for a band, they tell of the
+//! others, too, which may need them as well.
 
 use std::collections::HashMap;
 use std::hash::{DefaultHasher, Hasher};
@@ -9,23 +9,20 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use super::decide::RegionSet;
 
-/// Samples that are kept at most, some 50 bytes each.
-const MOST: usize = 1 << 20;
+/// Samples that are kept at most, some 100 bytes each. All are given up then: what was not asked for is found again.
+const MOST: usize = 1 << 19;
 
 /// The regions in which samples are unstable; none of one whose eigenvalues do not converge.
+#[derive(Default)]
 pub(super) struct Decided {
     known: Mutex<HashMap<u128, Entry>>,
-    /// How often each is asked for after it is decided.
-    repeats: u32,
 }
 
+#[derive(Clone, Copy)]
 enum Entry {
     /// It is being decided.
     InWork,
-    Decided {
-        unstable: Option<RegionSet>,
-        repeats: u32,
-    },
+    Decided(Option<RegionSet>),
 }
 
 /// What is known of a sample.
@@ -40,34 +37,25 @@ pub(super) enum Asked<'a> {
 
 /// A sample that is being decided.
 pub(super) struct Undecided<'a> {
-    /// Where it is kept, unless there is no room.
-    kept: Option<(&'a Decided, u128)>,
+    decided: &'a Decided,
+    key: u128,
+    is_decided: bool,
 }
 
 impl Decided {
-    pub(super) fn new(repeats: u32) -> Self {
-        Self { known: Mutex::default(), repeats }
-    }
-
-    /// What is known of the sample with these coefficients, of a configuration with these expected values.
-    pub(super) fn ask(&self, of: [&[f64]; 2]) -> Asked<'_> {
-        let key = key(of);
+    /// What is known of the sample with these coefficients.
+    pub(super) fn ask(&self, coefficients: &[f64]) -> Asked<'_> {
+        let key = key(coefficients);
         let mut known = self.lock();
-        let is_full = known.len() >= MOST;
-        match known.get_mut(&key) {
-            None if is_full => Asked::Unknown(Undecided { kept: None }),
-            None => {
-                known.insert(key, Entry::InWork);
-                Asked::Unknown(Undecided { kept: Some((self, key)) })
-            }
+        match known.get(&key) {
             Some(Entry::InWork) => Asked::InWork,
-            Some(Entry::Decided { unstable, repeats }) => {
-                let unstable = *unstable;
-                *repeats -= 1;
-                if *repeats == 0 {
-                    known.remove(&key);
+            Some(Entry::Decided(unstable)) => Asked::Decided(*unstable),
+            None => {
+                if known.len() >= MOST {
+                    known.retain(|_, entry| matches!(entry, Entry::InWork));
                 }
-                Asked::Decided(unstable)
+                known.insert(key, Entry::InWork);
+                Asked::Unknown(Undecided { decided: self, key, is_decided: false })
             }
         }
     }
@@ -81,9 +69,8 @@ impl Decided {
 impl Undecided<'_> {
     /// Keeps what was decided.
     pub(super) fn decided(mut self, unstable: Option<RegionSet>) -> Option<RegionSet> {
-        if let Some((decided, key)) = self.kept.take() {
-            decided.lock().insert(key, Entry::Decided { unstable, repeats: decided.repeats });
-        }
+        self.decided.lock().insert(self.key, Entry::Decided(unstable));
+        self.is_decided = true;
         unstable
     }
 }
@@ -91,18 +78,18 @@ impl Undecided<'_> {
 impl Drop for Undecided<'_> {
     /// One that was not decided is unknown again.
     fn drop(&mut self) {
-        if let Some((decided, key)) = self.kept.take() {
-            decided.lock().remove(&key);
+        if !self.is_decided {
+            self.decided.lock().remove(&self.key);
         }
     }
 }
 
 /// 128 bits of numbers, by which they are told apart.
-fn key(of: [&[f64]; 2]) -> u128 {
+fn key(numbers: &[f64]) -> u128 {
     let half = |first: u8| {
         let mut hasher = DefaultHasher::new();
         hasher.write_u8(first);
-        of.into_iter().flatten().for_each(|number| hasher.write_u64(number.to_bits()));
+        numbers.iter().for_each(|number| hasher.write_u64(number.to_bits()));
         u128::from(hasher.finish())
     };
     half(0) << 64 | half(1)
@@ -112,29 +99,39 @@ fn key(of: [&[f64]; 2]) -> u128 {
 mod tests {
     use super::*;
 
-    fn unknown<'a>(decided: &'a Decided, of: [&[f64]; 2]) -> Undecided<'a> {
-        match decided.ask(of) {
+    fn unknown<'a>(decided: &'a Decided, coefficients: &[f64]) -> Undecided<'a> {
+        match decided.ask(coefficients) {
             Asked::Unknown(undecided) => undecided,
             Asked::Decided(_) | Asked::InWork => panic!("it is known"),
         }
     }
 
     #[test]
-    fn a_sample_is_decided_once_and_kept_until_all_have_asked() {
-        let decided = Decided::new(2);
-        let one = unknown(&decided, [&[0.5], &[1.0, 2.0]]);
-        assert!(matches!(decided.ask([&[0.5], &[1.0, 2.0]]), Asked::InWork));
-        let other = unknown(&decided, [&[0.5], &[2.0, 1.0]]);
+    fn a_sample_is_decided_once() {
+        let decided = Decided::default();
+        let one = unknown(&decided, &[1.0, 2.0]);
+        assert!(matches!(decided.ask(&[1.0, 2.0]), Asked::InWork));
+        let other = unknown(&decided, &[2.0, 1.0]);
         assert_eq!(one.decided(Some(5)), Some(5));
         assert_eq!(other.decided(None), None);
-        for _ in 0..2 {
-            assert!(matches!(decided.ask([&[0.5], &[1.0, 2.0]]), Asked::Decided(Some(5))));
-            assert!(matches!(decided.ask([&[0.5], &[2.0, 1.0]]), Asked::Decided(None)));
-        }
-        assert!(decided.lock().is_empty());
+        assert!(matches!(decided.ask(&[1.0, 2.0]), Asked::Decided(Some(5))));
+        assert!(matches!(decided.ask(&[2.0, 1.0]), Asked::Decided(None)));
         // Where work on it ends before it is decided, another does it.
-        drop(unknown(&decided, [&[0.5], &[1.0, 2.0]]));
-        let again = unknown(&decided, [&[0.5], &[1.0, 2.0]]);
-        assert_eq!(again.decided(Some(0)), Some(0));
+        drop(unknown(&decided, &[3.0]));
+        assert_eq!(unknown(&decided, &[3.0]).decided(Some(0)), Some(0));
+    }
+
+    #[test]
+    fn no_more_are_kept_than_there_is_room_for_and_work_goes_on() {
+        let decided = Decided::default();
+        let in_work = unknown(&decided, &[-1.0]);
+        for number in 0..=MOST {
+            unknown(&decided, &[number as f64]).decided(Some(1));
+            assert!(decided.lock().len() <= MOST);
+        }
+        assert!(matches!(decided.ask(&[-1.0]), Asked::InWork));
+        in_work.decided(Some(2));
+        assert!(matches!(decided.ask(&[-1.0]), Asked::Decided(Some(2))));
+        assert!(matches!(decided.ask(&[MOST as f64]), Asked::Decided(Some(1))));
     }
 }

@@ -214,7 +214,7 @@ impl Model for MatrixModel {
             return Err(ModelError(format!("band = {band} is none of 0 (any) to {bands}")));
         }
         let bands = self.criterion.bands_for(band as usize);
-        Ok(Samples::boxed(&self.matrices, &self.problem, bands, &self.recorded, parameters, varying, like))
+        Ok(Samples::boxed(&self.matrices, &self.problem, bands, &self.recorded, expected, varying, like))
     }
 
     fn has_slow_samples(&self) -> bool {

@@ -1,9 +1,9 @@
 //! Samples of models given by matrices: verdicts, limit states and critical values.
 
 use std::any::Any;
-use std::sync::{Arc, Mutex, OnceLock, PoisonError, Weak};
+use std::sync::{Arc, OnceLock};
 
-use super::decide::{Decider, MOST_REGIONS, RegionSet, region_at};
+use super::decide::{Decider, MOST_REGIONS, RegionSet};
 use super::decided::{Asked, Decided};
 use super::limit_branch::limit_states;
 use super::problem::Problem;
@@ -24,8 +24,8 @@ use crate::numerics::eigenvalues::Eigenvalue;
 const MOST_NUMBERS_OF_FIRST: usize = 1 << 24;
 const MOST_NUMBERS: usize = 1 << 18;
 
-/// Coordinates from which on a sample is decided once for all bands: with fewer, that takes hardly longer than to look up what
-/// was decided.
+/// Coordinates from which on all eigenvalues of a sample are found once for all bands: with fewer, that takes hardly longer than
+/// to look up what was found.
 const LARGE: usize = 16;
 
 /// The bands of a model, and which of them count.
@@ -41,21 +41,20 @@ pub(super) struct Bands {
 /// What samples with the same expected values share.
 pub(super) struct Samples {
     shared: Arc<Shared>,
+    /// What all eigenvalues of samples have said of each band, where there are several.
+    together: Option<Arc<Together>>,
+    /// The places of those that count among them.
+    places: RegionSet,
     /// Another configuration, whose series serves where it reaches well beyond the expected values.
     like: Option<Arc<Shared>>,
     /// Whether it does.
     serves: OnceLock<bool>,
-    /// The bands that count: in rad/s, in the unit of the problem, and their places among those of [`Shared`].
-    regions: Vec<Region>,
-    scaled: Vec<Region>,
-    places: RegionSet,
-    family: Arc<Family>,
 }
 
-/// All configurations of a model, of which those that differ by band alone share what is computed.
-struct Family {
-    members: Mutex<Vec<Weak<Shared>>>,
-    /// What was decided for one band and is asked for again for the others.
+/// What all configurations of a model share: cells that differ by band alone have the same samples.
+struct Together {
+    /// All bands, in the unit of the problem.
+    regions: Vec<Region>,
     decided: Decided,
 }
 
@@ -63,19 +62,16 @@ struct Family {
 struct Shared {
     matrices: Arc<Matrices>,
     problem: Problem,
-    /// The bands that samples are decided for together, rad/s.
+    /// rad/s.
     regions: Vec<Region>,
     /// The same in the unit of the problem.
     scaled: Vec<Region>,
-    /// Those of the parameters.
     expected: Vec<f64>,
     varying: Vec<usize>,
     recorded: Vec<PairResult>,
     /// Numbers that the vectors of the series may have.
     most_numbers: usize,
     series: OnceLock<Option<ModeSeries>>,
-    /// Whether samples are decided for several bands together.
-    is_shared: bool,
 }
 
 impl Shared {
@@ -93,73 +89,42 @@ impl Shared {
         };
         self.series.get_or_init(make).as_ref()
     }
-
-    /// The bands in which a sample is unstable; `None` if its eigenvalues do not converge.
-    fn unstable(&self, series: Option<&ModeSeries>, coefficients: &[f64]) -> Option<RegionSet> {
-        match &self.problem {
-            Problem::Dense(problem) => {
-                Decider::new(problem, &self.scaled, series).unstable(coefficients).map(|(regions, _)| regions)
-            }
-            Problem::Sparse(_) => {
-                let values = self.problem.eigenvalues(coefficients, &self.regions).ok()?;
-                let is_below = |region: &Region| {
-                    values.iter().any(|value| excess(std::slice::from_ref(region), *value) < -RESOLUTION)
-                };
-                let below = self.regions.iter().enumerate().filter(|(_, region)| is_below(region));
-                Some(below.fold(0, |found, (place, _)| found | region_at(place)))
-            }
-        }
-    }
 }
 
 impl Samples {
-    /// The samples with these expected values of all parameters that differ in the `varying` ones.
+    /// The samples with these expected values of all quantities that differ in the `varying` ones.
     pub(super) fn boxed(
         matrices: &Arc<Matrices>,
         problem: &Problem,
-        bands: Bands,
+        Bands { all, own, places }: Bands,
         recorded: &[PairResult],
         expected: &[f64],
         varying: &[usize],
         like: Option<&dyn Configuration>,
     ) -> Box<dyn Configuration> {
-        let like = like.and_then(Self::from_any);
-        let is_shared = (2..=MOST_REGIONS).contains(&bands.all.len()) && matrices.size() >= LARGE;
-        let own = bands.own;
-        let (all, places) = if is_shared { (bands.all, bands.places) } else { (own.clone(), RegionSet::MAX) };
-        let new_family = || Arc::new(Family { members: Mutex::default(), decided: Decided::new(all.len() as u32) });
-        let family = like.map_or_else(new_family, |like| like.family.clone());
-        let is_same = |shared: &Arc<Shared>| {
-            let bits = |values: &[f64]| values.iter().map(|value| value.to_bits()).collect::<Vec<u64>>();
-            shared.regions == all && shared.varying == varying && bits(&shared.expected) == bits(expected)
-        };
         let scale = |regions: &[Region]| regions.iter().map(|region| region.in_unit(problem.unit())).collect();
-        let make = || Shared {
+        let is_first = like.is_none();
+        let like = like.and_then(Self::from_any);
+        let are_several = (2..=MOST_REGIONS).contains(&all.len()) && matrices.size() >= LARGE;
+        let are_several = are_several && matches!(problem, Problem::Dense(_));
+        let together = match like {
+            Some(like) => like.together.clone(),
+            None => are_several.then(|| Arc::new(Together { regions: scale(&all), decided: Decided::default() })),
+        };
+        let like = like.map(|like| like.shared.clone());
+        let like = like.filter(|like| like.regions == own && like.varying == varying);
+        let shared = Shared {
             matrices: matrices.clone(),
             problem: problem.clone(),
-            scaled: scale(&all),
-            regions: all.clone(),
+            scaled: scale(&own),
+            regions: own,
             expected: expected.to_vec(),
             varying: varying.to_vec(),
             recorded: recorded.to_vec(),
-            most_numbers: if like.is_none() { MOST_NUMBERS_OF_FIRST } else { MOST_NUMBERS },
+            most_numbers: if is_first { MOST_NUMBERS_OF_FIRST } else { MOST_NUMBERS },
             series: OnceLock::new(),
-            is_shared,
         };
-        let shared = {
-            let mut known = family.members.lock().unwrap_or_else(PoisonError::into_inner);
-            known.retain(|shared| shared.strong_count() > 0);
-            let found = known.iter().filter_map(Weak::upgrade).find(is_same);
-            found.unwrap_or_else(|| {
-                let made = Arc::new(make());
-                known.push(Arc::downgrade(&made));
-                made
-            })
-        };
-        let like = like.map(|like| like.shared.clone());
-        let like = like.filter(|like| like.regions == shared.regions && like.varying == varying);
-        let (scaled, serves) = (scale(&own), OnceLock::new());
-        Box::new(Self { shared, like, serves, regions: own, scaled, places, family })
+        Box::new(Self { shared: Arc::new(shared), together, places, like, serves: OnceLock::new() })
     }
 
     fn from_any(configuration: &dyn Configuration) -> Option<&Self> {
@@ -168,7 +133,7 @@ impl Samples {
     }
 
     fn series(&self) -> Option<&ModeSeries> {
-        let other = self.like.as_ref().filter(|other| !Arc::ptr_eq(other, &self.shared));
+        let other = self.like.as_ref();
         let reaches =
             |other: &Arc<Shared>| other.series().is_some_and(|series| series.reaches_beyond(&self.shared.origin()));
         let serves = *self.serves.get_or_init(|| other.is_some_and(reaches));
@@ -179,37 +144,49 @@ impl Samples {
         self.shared.matrices.coefficients(&samples.complete(sample, &self.shared.expected, &self.shared.varying))
     }
 
-    /// The verdict of a sample; `None` if it is being decided for another band and is not `wanted_now`.
+    /// The verdict of a sample; `None` if all its eigenvalues are being found for another band and it is not `wanted_now`.
     fn verdict(&self, coefficients: &[f64], wanted_now: bool) -> Option<Verdict> {
         if coefficients.iter().any(|value| !value.is_finite()) {
             return Some(Verdict::Failed);
         }
-        let decide = || self.shared.unstable(self.series(), coefficients);
-        let Shared { expected, is_shared, .. } = &*self.shared;
-        let unstable = match is_shared.then(|| self.family.decided.ask([expected, coefficients])) {
-            Some(Asked::InWork) if !wanted_now => return None,
-            Some(Asked::InWork) | None => decide(),
-            Some(Asked::Decided(unstable)) => unstable,
-            Some(Asked::Unknown(undecided)) => undecided.decided(decide()),
+        let unstable = match &self.shared.problem {
+            Problem::Dense(problem) => {
+                let decider = Decider::of_any(problem, &self.shared.scaled, self.series());
+                match (decider.by_series(coefficients), &self.together) {
+                    (Some((regions, _)), _) => Some(regions != 0),
+                    (None, None) => decider.by_all(coefficients).map(|regions| regions != 0),
+                    (None, Some(together)) => {
+                        let find = || Decider::of_each(problem, &together.regions).by_all(coefficients);
+                        let regions = match together.decided.ask(coefficients) {
+                            Asked::InWork if !wanted_now => return None,
+                            Asked::InWork => find(),
+                            Asked::Decided(regions) => regions,
+                            Asked::Unknown(undecided) => undecided.decided(find()),
+                        };
+                        regions.map(|regions| regions & self.places != 0)
+                    }
+                }
+            }
+            Problem::Sparse(_) => self.excess(coefficients).map(|excess| excess < -RESOLUTION),
         };
         Some(match unstable {
-            Some(regions) if regions & self.places != 0 => Verdict::Unstable,
-            Some(_) => Verdict::Stable,
+            Some(true) => Verdict::Unstable,
+            Some(false) => Verdict::Stable,
             None => Verdict::Failed,
         })
     }
 
     /// The smallest damping ratio in the bands less its threshold, by all eigenvalues; 1 where there is no pair in a band.
     fn excess(&self, coefficients: &[f64]) -> Option<f64> {
-        let values = self.shared.problem.eigenvalues(coefficients, &self.regions).ok()?;
-        Some(values.iter().map(|value| excess(&self.regions, *value)).fold(1.0, f64::min))
+        let values = self.shared.problem.eigenvalues(coefficients, &self.shared.regions).ok()?;
+        Some(values.iter().map(|value| excess(&self.shared.regions, *value)).fold(1.0, f64::min))
     }
 
     /// The eigenvalue that this is of, in rad/s.
     fn least_damped(&self, coefficients: &[f64]) -> Option<Eigenvalue> {
-        let (problem, regions) = (&self.shared.problem, &self.regions);
+        let Shared { problem, regions, scaled, .. } = &*self.shared;
         if let Problem::Dense(problem) = problem {
-            return Decider::new(problem, &self.scaled, self.series()).least_damped(coefficients);
+            return Decider::of_any(problem, scaled, self.series()).least_damped(coefficients);
         }
         let values = problem.eigenvalues(coefficients, regions).ok()?;
         values.into_iter().min_by(|a, b| excess(regions, *a).total_cmp(&excess(regions, *b)))
@@ -256,7 +233,7 @@ impl Configuration for Samples {
             let verdict = self.verdict(&coefficients, wanted_now)?;
             Some(Decision { recorded: self.recorded(verdict, &coefficients), ..verdict.into() })
         };
-        // What is being decided for another band comes last.
+        // What is being found for another band comes last.
         let mut decisions = vec![None; wanted.len()];
         for wanted_now in [false, true] {
             for (decision, &sample) in decisions.iter_mut().zip(wanted).filter(|(decision, _)| decision.is_none()) {
@@ -279,7 +256,7 @@ impl Configuration for Samples {
             let coefficients = self.coefficients(samples, sample);
             let state = match &self.shared.problem {
                 Problem::Dense(problem) => {
-                    Decider::new(problem, &self.scaled, self.series()).limit_state(&coefficients)
+                    Decider::of_any(problem, &self.shared.scaled, self.series()).limit_state(&coefficients)
                 }
                 Problem::Sparse(_) => self.excess(&coefficients),
             };
@@ -301,7 +278,7 @@ impl Configuration for Samples {
         let states = |sample: usize| {
             let values = problem.at(&self.coefficients(samples, sample)).eigenvalues();
             let Ok(values) = values else { return vec![f64::NAN; problem.size()] };
-            let mut states = limit_states(&values, &self.scaled);
+            let mut states = limit_states(&values, &self.shared.scaled);
             // Two motions that dampers alone hold have one together.
             states.resize(problem.size(), 1.0);
             states
@@ -316,7 +293,7 @@ impl Configuration for Samples {
     fn unstable_frequencies(&self, samples: &Columns<'_>) -> Option<Vec<f64>> {
         let of_sample = |sample: usize| {
             let least = self.least_damped(&self.coefficients(samples, sample));
-            let is_unstable = |value: &Eigenvalue| self.regions.iter().any(|region| region.contains(*value));
+            let is_unstable = |value: &Eigenvalue| self.shared.regions.iter().any(|region| region.contains(*value));
             let unstable = least.filter(|value| !self.is_outside(samples, sample) && is_unstable(value));
             unstable.map_or(f64::NAN, |value| value.im.abs() / std::f64::consts::TAU)
         };
@@ -327,7 +304,7 @@ impl Configuration for Samples {
 impl CriticalValues for Samples {
     /// Values beyond the ranges of parameters are outside the model, and not unstable.
     fn unstable(&self, values: &[f64], place: usize, places: &[f64], memory: &dyn Memory) -> Option<UnstableValues> {
-        let (Shared { matrices, problem, expected, varying, .. }, regions) = (&*self.shared, &self.regions);
+        let Shared { matrices, problem, regions, expected, varying, .. } = &*self.shared;
         let mut complete = expected.clone();
         varying.iter().zip(values).for_each(|(&place, value)| complete[place] = *value);
         let place = *varying.get(place)?;

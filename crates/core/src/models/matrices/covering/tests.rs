@@ -37,9 +37,9 @@ fn a_soft_mode_diverges_where_its_stiffness_ends_however_stiff_others_are() {
         for ends in [surely, possibly] {
             assert!((ends[0] - 1.0).abs() < 1e-8 && ends[1] == 1.5, "{stiff}: {found:?}");
         }
-        let decider = Decider::new(&problem, &[ALL], None);
+        let decider = Decider::of_any(&problem, &[ALL], None);
         for (p, expected) in [(1.0 - 3e-7, false), (1.0 + 3e-7, true)] {
-            let found = decider.unstable(&path.coefficients(p)).map(|(regions, _)| regions != 0);
+            let found = decider.is_unstable(&path.coefficients(p)).map(|(is_unstable, _)| is_unstable);
             assert_eq!(found, Some(expected), "{stiff} {p}");
         }
     }
@@ -149,8 +149,9 @@ fn a_motion_that_dampers_alone_hold_is_never_unstable() {
             let contains = |set: &[[f64; 2]]| set.iter().any(|[from, to]| (*from..=*to).contains(&p));
             let expected = values.iter().any(|value| ALL.contains(*value));
             for series in [None, ModeSeries::new(&problem, &path.coefficients(p + 0.01), &[2], &[ALL], 1 << 24)] {
-                let decided = Decider::new(&problem, &[ALL], series.as_ref()).unstable(&path.coefficients(p));
-                assert_eq!(decided.map(|(regions, _)| regions != 0), Some(expected), "{seed} at {p}");
+                let decider = Decider::of_any(&problem, &[ALL], series.as_ref());
+                let decided = decider.is_unstable(&path.coefficients(p));
+                assert_eq!(decided.map(|(is_unstable, _)| is_unstable), Some(expected), "{seed} at {p}");
             }
             let is_right = [&found.surely, &found.possibly].into_iter().all(|set| contains(set) == expected);
             assert!(is_right, "{seed} at {p}: {values:?} {found:?}");

@@ -10,7 +10,7 @@ fn compare(problems: std::ops::Range<u64>, samples: usize, scatter: f64) -> [usi
         let (problem, origin, region) = problem(seed);
         let mut numbers = Numbers(seed + 1_000_000);
         let series = ModeSeries::new(&problem, &origin, &[1, 2, 3, 4], &[region], 1 << 24);
-        let decider = Decider::new(&problem, std::slice::from_ref(&region), series.as_ref());
+        let decider = Decider::of_any(&problem, std::slice::from_ref(&region), series.as_ref());
         for _ in 0..samples {
             let mut coefficients = origin.clone();
             (1..5).for_each(|k| coefficients[k] *= 1.0 + scatter * numbers.normal());
@@ -21,7 +21,7 @@ fn compare(problems: std::ops::Range<u64>, samples: usize, scatter: f64) -> [usi
                 ratio < 1e-8 || value.im != 0.0 && ends.iter().any(|end| *end < 1e-8)
             };
             let expected = all.iter().any(|value| region.contains(*value));
-            let (unstable, way) = is_unstable(&decider, &coefficients).unwrap();
+            let (unstable, way) = decider.is_unstable(&coefficients).unwrap();
             ways[way as usize] += 1;
             assert!(
                 unstable == expected || all.iter().any(edge),
@@ -32,11 +32,6 @@ fn compare(problems: std::ops::Range<u64>, samples: usize, scatter: f64) -> [usi
     ways
 }
 
-/// Whether a sample is unstable in one of the regions.
-fn is_unstable(decider: &Decider<'_>, coefficients: &[f64]) -> Option<(bool, Way)> {
-    decider.unstable(coefficients).map(|(regions, way)| (regions != 0, way))
-}
-
 /// Whether all eigenvalues show a sample of a problem unstable, and how it was decided: as they show, unless one of them is at the
 /// threshold.
 #[track_caller]
@@ -45,7 +40,7 @@ fn compared(decider: &Decider<'_>, seed: u64, coefficients: &[f64]) -> (bool, Wa
     let all = decider.problem.at(coefficients).eigenvalues().unwrap();
     let is_edge = |value: &Eigenvalue| (damping_ratio(*value) - region.damping_ratio).abs() < 1e-8;
     let expected = all.iter().any(|value| region.contains(*value));
-    let (found, way) = is_unstable(decider, coefficients).unwrap();
+    let (found, way) = decider.is_unstable(coefficients).unwrap();
     assert!(found == expected || all.iter().any(is_edge), "{seed} {coefficients:?} {way:?} {found}");
     (expected, way)
 }
@@ -73,13 +68,14 @@ fn each_of_several_bands_has_the_verdict_of_all_eigenvalues() {
         let bands = [[low, at(0.4)], [at(0.4), at(0.7)], [at(0.75), high], [at(0.2), at(0.9)]];
         let regions = bands.map(|[lowest, highest]| Region { lowest, highest, ..region });
         let series = ModeSeries::new(&problem, &origin, &[1, 2, 3, 4], &regions, 1 << 24);
-        let decider = Decider::new(&problem, &regions, series.as_ref());
+        let decider = Decider { series: series.as_ref(), ..Decider::of_each(&problem, &regions) };
         let mut numbers = Numbers(seed + 2_000_000);
         for _ in 0..60 {
             let mut coefficients = origin.clone();
             (1..5).for_each(|k| coefficients[k] *= 1.0 + 0.1 * numbers.normal());
             let all = problem.at(&coefficients).eigenvalues().unwrap();
-            let (found, way) = decider.unstable(&coefficients).unwrap();
+            let by_all = decider.by_all(&coefficients).unwrap();
+            let (found, way) = decider.by_series(&coefficients).unwrap_or((by_all, Way::All));
             ways[way as usize] += 1;
             for (place, region) in regions.iter().enumerate() {
                 let is_edge = |value: &Eigenvalue| {
@@ -113,7 +109,7 @@ fn the_least_damped_pair_is_that_of_all_eigenvalues() {
     for seed in 0..40 {
         let (problem, origin, region) = problem(seed);
         let series = ModeSeries::new(&problem, &origin, &[1, 2, 3, 4], &[region], 1 << 24);
-        let decider = Decider::new(&problem, std::slice::from_ref(&region), series.as_ref());
+        let decider = Decider::of_any(&problem, std::slice::from_ref(&region), series.as_ref());
         let mut numbers = Numbers(seed + 77);
         for _ in 0..20 {
             let mut coefficients = origin.clone();
@@ -174,10 +170,10 @@ fn verdicts_turn_at_the_criterion_of_hurwitz() {
     let damping = [dmatrix![c1, 0.0; 0.0, c2]];
     let problem = DenseQuadratic::new(&DMatrix::identity(2, 2), &damping, &terms, &[1.0; 3]).unwrap();
     let region = Region { lowest: 0.0, highest: f64::INFINITY, damping_ratio: 0.0 };
-    let decider = Decider::new(&problem, std::slice::from_ref(&region), None);
+    let decider = Decider::of_any(&problem, std::slice::from_ref(&region), None);
     for distance in [1e-7, 1e-4, 0.1, 0.5] {
         for (friction, expected) in [(critical - distance, false), (critical + distance, true)] {
-            let found = is_unstable(&decider, &[1.0, 1.0, friction]);
+            let found = decider.is_unstable(&[1.0, 1.0, friction]);
             assert_eq!(found, Some((expected, Way::ClosedForm)), "{friction}");
         }
     }
@@ -204,15 +200,15 @@ fn large_problems_are_decided_by_fast_eigenvalues_where_these_are_clear() {
             let quadratic = problem.at(&[1.0, 1.0, friction]);
             let all = quadratic.eigenvalues().unwrap();
             let expected = all.iter().any(|value| region.contains(*value));
-            let decider = Decider::new(&problem, std::slice::from_ref(&region), None);
+            let decider = Decider::of_any(&problem, std::slice::from_ref(&region), None);
             let told = decider.clear(&quadratic);
             assert!(told.is_none_or(|told| (told != 0) == expected), "{seed} {friction}");
-            assert_eq!(is_unstable(&decider, &[1.0, 1.0, friction]), Some((expected, Way::All)));
+            assert_eq!(decider.is_unstable(&[1.0, 1.0, friction]), Some((expected, Way::All)));
             (clear, unstable) = (clear + usize::from(told.is_some()), unstable + usize::from(expected));
             let oscillating = all.iter().filter(|value| value.im > 0.0);
             let least = oscillating.map(|value| damping_ratio(*value)).fold(f64::INFINITY, f64::min);
             let at_the_threshold = Region { damping_ratio: least, ..region };
-            let decider = Decider::new(&problem, std::slice::from_ref(&at_the_threshold), None);
+            let decider = Decider::of_any(&problem, std::slice::from_ref(&at_the_threshold), None);
             assert_eq!(decider.clear(&quadratic), None, "{seed} {friction}");
         }
     }
@@ -235,7 +231,7 @@ fn modes_that_move_alike_are_decided_rightly() {
         let region = Region { lowest: 0.3, highest: 3.0, damping_ratio: threshold }.in_unit(problem.unit());
         let series = ModeSeries::new(&problem, &origin, &[2], &[region], 1 << 24);
         let series = series.unwrap();
-        let decider = Decider::new(&problem, std::slice::from_ref(&region), Some(&series));
+        let decider = Decider::of_any(&problem, std::slice::from_ref(&region), Some(&series));
         for step in -40..=40 {
             let coefficients = [1.0, 1.0, expected * (1.0 + 0.02 * f64::from(step))];
             let all = problem.at(&coefficients).eigenvalues().unwrap();
@@ -279,7 +275,7 @@ fn modes_that_meet_far_from_the_origin_are_decided_rightly() {
         let region = Region { lowest: 0.0, highest: f64::INFINITY, damping_ratio: 0.0 };
         let origin = [1.0, 1.0, 1.0 + 0.2 * gap];
         let series = ModeSeries::new(&problem, &origin, &[2], &[region], 1 << 24);
-        let decider = Decider::new(&problem, std::slice::from_ref(&region), series.as_ref());
+        let decider = Decider::of_any(&problem, std::slice::from_ref(&region), series.as_ref());
         let mut unstable = 0;
         for step in -60..=60 {
             // Most of them in the window and beside it.
@@ -312,12 +308,12 @@ fn a_narrow_window_far_from_the_origin_is_not_told_by_the_series() {
     let region = Region { lowest: 0.0, highest: f64::INFINITY, damping_ratio: 0.0 };
     let series = ModeSeries::new(&problem, &[1.0, 1.0, 0.130_714_89], &[2], &[region], 1 << 24);
     assert!(series.is_some());
-    let decider = Decider::new(&problem, std::slice::from_ref(&region), series.as_ref());
+    let decider = Decider::of_any(&problem, std::slice::from_ref(&region), series.as_ref());
     let (from, to) = (0.158_423_438_233_07, 0.160_375_254_412_9);
     for (p, expected) in
         [(0.15, false), (from - 1e-8, false), (from + 1e-8, true), (0.159, true), (to - 1e-8, true), (to + 1e-8, false)]
     {
-        let found = is_unstable(&decider, &[1.0, 1.0, p]).map(|(is_unstable, _)| is_unstable);
+        let found = decider.is_unstable(&[1.0, 1.0, p]).map(|(is_unstable, _)| is_unstable);
         assert_eq!(found, Some(expected), "{p}");
     }
 }
@@ -341,13 +337,13 @@ fn groups_that_nothing_couples_are_told_by_the_series_where_they_cross() {
     let problem = DenseQuadratic::new(&mass, &damping, &stiffness, &[1.0, 1.0, friction]).unwrap();
     let region = Region { lowest: 0.0, highest: f64::INFINITY, damping_ratio: 0.0 };
     let series = ModeSeries::new(&problem, &[1.0, 1.0, friction], &[2, 0], &[region], 1 << 24);
-    let decider = Decider::new(&problem, std::slice::from_ref(&region), series.as_ref());
+    let decider = Decider::of_any(&problem, std::slice::from_ref(&region), series.as_ref());
     let mut ways = [0; 5];
     let mut numbers = Numbers(3);
     for _ in 0..500 {
         let coefficients = [1.0 + 0.1 * numbers.normal(), 1.0, friction * (1.0 + 0.1 * numbers.normal())];
         let all = problem.at(&coefficients).eigenvalues().unwrap();
-        let (found, way) = is_unstable(&decider, &coefficients).unwrap();
+        let (found, way) = decider.is_unstable(&coefficients).unwrap();
         assert_eq!(found, all.iter().any(|value| region.contains(*value)), "{coefficients:?}");
         ways[way as usize] += 1;
     }
@@ -386,7 +382,7 @@ fn a_group_and_a_mode_that_meets_it_are_decided_rightly() {
         let problem = DenseQuadratic::new(&mass, &[damping], &[stiffness, growing], &[1.0; 3]).unwrap();
         let region = Region { lowest: 0.0, highest: f64::INFINITY, damping_ratio: 0.0 };
         let series = ModeSeries::new(&problem, &[1.0, 1.0, origin], &[2], &[region], 1 << 24);
-        let decider = Decider::new(&problem, std::slice::from_ref(&region), series.as_ref());
+        let decider = Decider::of_any(&problem, std::slice::from_ref(&region), series.as_ref());
         for step in -90..=90 {
             let part = f64::from(step) / 60.0;
             let centre = 1.0 + gap + if part < 0.0 { 0.0 } else { of_group };
@@ -407,6 +403,6 @@ fn what_vectors_tell_is_not_asked_of_their_eigenvalues() {
     let coefficients =
         [1.0, 0.966_932_845_701_144_1, 0.636_324_029_247_461_7, 0.720_962_775_729_800_7, 0.399_107_266_381_437_2, 1.0];
     let series = ModeSeries::new(&problem, &origin, &[1, 2, 3, 4], &[region], 1 << 24);
-    let decider = Decider::new(&problem, std::slice::from_ref(&region), series.as_ref());
-    assert_eq!(is_unstable(&decider, &coefficients), Some((false, Way::Refined)));
+    let decider = Decider::of_any(&problem, std::slice::from_ref(&region), series.as_ref());
+    assert_eq!(decider.is_unstable(&coefficients), Some((false, Way::Refined)));
 }
