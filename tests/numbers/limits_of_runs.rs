@@ -183,6 +183,12 @@ fn a_job_that_is_written_again_without_what_it_asked_is_never_called_mended() {
             place.run("verify run").done();
         }
     }
+    // What options ask is not in the job.
+    place.write("job.toml", &job(SAMPLES, target));
+    place.run("submit job.toml --out run --overwrite --target 0.3 --at preload=0.3 --at rotating_speed=15").done();
+    place.run("verify run").done();
+    place.run("resume run --target 0.2").done();
+    place.run("verify run").done();
     // Digests of an earlier version, or none, do not say what was asked.
     place.write("job.toml", &job(SAMPLES, ""));
     place.run("submit job.toml --out run --overwrite").done();

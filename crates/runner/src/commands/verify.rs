@@ -136,7 +136,7 @@ impl Check<'_> {
             Known::Damaged => self.forget_digests("damaged")?,
         }
         let run = quoted(directory.path());
-        let Some(job) = self.job()? else {
+        let Some((text, job)) = self.job()? else {
             if self.refused.is_some() {
                 self.all_pieces()?;
                 self.results_without_job()?;
@@ -164,7 +164,7 @@ impl Check<'_> {
         }
         self.record();
         if self.can_repair {
-            self.write_digests(&job)?;
+            self.write_digests(&text, &job)?;
         }
         let lacks_tables = self.findings.iter().any(|finding| finding.file == JOB && finding.state == State::Broken);
         Ok(match self.can_repair {
@@ -199,13 +199,13 @@ impl Check<'_> {
         fits.len() > 1 && fits.iter().all(|fit| *fit == Fit::Differs)
     }
 
-    /// The frozen job, written again from the surface if it is damaged or lost.
-    fn job(&mut self) -> Result<Option<Job>, Failure> {
+    /// The frozen job and its text, written again from the surface if it is damaged or lost.
+    fn job(&mut self) -> Result<Option<(String, Job)>, Failure> {
         let directory = self.directory;
         let why = match directory.job_source() {
             Ok(Some(source)) => match source.job_to_read() {
                 Ok(job) => {
-                    match &directory.lost_tables(&job)?[..] {
+                    match &directory.lost_tables(&source.text, &job)?[..] {
                         [] => self.find(JOB, State::Sound, "sound"),
                         lost => self.find(
                             JOB,
@@ -213,7 +213,7 @@ impl Check<'_> {
                             format!("it was written again without {}", lost.join(" and ")),
                         ),
                     }
-                    return Ok(Some(job));
+                    return Ok(Some((source.text, job)));
                 }
                 Err(refused) => {
                     self.refused = directory.refused_as_written(&source, &refused);
@@ -235,7 +235,7 @@ impl Check<'_> {
             );
             return Ok(None);
         };
-        let lacking = directory.lacking_tables(&job)?;
+        let lacking = directory.lacking_tables(&source.text, &job)?;
         let has_lost = !lacking.is_empty();
         if self.can_repair {
             if has_lost && directory.root().open_file(JOB).is_ok() {
@@ -247,7 +247,7 @@ impl Check<'_> {
         let again = if self.can_repair { ", and it is written again" } else { "" };
         let state = if has_lost { State::Broken } else { self.repaired() };
         self.find(JOB, state, format!("{why}; the surface holds what it was{but}{again}"));
-        Ok(Some(job))
+        Ok(Some((source.text, job)))
     }
 
     /// The pieces in all folders.
@@ -420,10 +420,10 @@ impl Check<'_> {
     }
 
     /// Writes the digests of what is there now.
-    fn write_digests(&self, job: &Job) -> Result<(), Failure> {
+    fn write_digests(&self, text: &str, job: &Job) -> Result<(), Failure> {
         let root = self.directory.root();
         let mut digests = Digests::default();
-        keep_asked(&mut digests, &Known::read(root)?.into_digests(), job);
+        keep_asked(&mut digests, &Known::read(root)?.into_digests(), text, job);
         for name in WITH_DIGESTS {
             let file = root.open_if_there(name).map_err(|error| Failure::reading(&root.path().join(name), error))?;
             let digest = file.map(digest_of_file).transpose();

@@ -70,20 +70,18 @@ impl Job {
         if let Some(criterion) = spec.criterion.as_mut().and_then(toml::Value::as_table_mut) {
             criterion.extend(table_of(&BTreeMap::from([("outside_physics", self.outside_physics)])));
         }
-        let texts = [text_of(&spec)].into_iter().chain(self.asked_tables().map(|(_, text)| text));
-        texts.filter(|text| !text.is_empty()).collect::<Vec<_>>().join("\n")
-    }
-
-    /// The tables that ask for something of the result, and their text: none where the job lacks one.
-    pub fn asked_tables(&self) -> [(&'static str, String); 2] {
-        let limit = self.limit.as_ref().map(|limit| AskedLimit { of: &limit.of, probability: &limit.targets });
         let at = self.operating_point.map(|cell| self.point(cell).into_iter().collect());
         let target = AskedTarget { probability: self.target, at };
         let target = (target.probability.is_some() || target.at.is_some()).then_some(target);
-        [
-            ("limit", text_of(&Asked { limit, ..Asked::default() })),
-            ("target", text_of(&Asked { target, ..Asked::default() })),
-        ]
+        let target = text_of(&Asked { target, ..Asked::default() });
+        let texts = [text_of(&spec), self.limit_table(), target];
+        texts.into_iter().filter(|text| !text.is_empty()).collect::<Vec<_>>().join("\n")
+    }
+
+    /// The table `[limit]`; nothing where there is none.
+    pub fn limit_table(&self) -> String {
+        let limit = self.limit.as_ref().map(|limit| AskedLimit { of: &limit.of, probability: &limit.targets });
+        text_of(&Asked { limit, ..Asked::default() })
     }
 
     /// The spec of the job with everything that its result depends on.

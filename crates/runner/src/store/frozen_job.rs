@@ -149,7 +149,7 @@ impl RunDirectory {
         let text = source.frozen(job);
         self.change_digests(|digests| {
             self.expect_among(digests, JOB, &digest_of_bytes(text.as_bytes()));
-            set_asked(digests, job);
+            set_asked(digests, &text, job);
         })?;
         self.publish(JOB, text.as_bytes())
     }
@@ -162,28 +162,36 @@ impl RunDirectory {
         let is_first =
             self.root().publish_first(JOB, text.as_bytes()).map_err(|error| Failure::writing(&path, error))?;
         if is_first {
-            self.change_digests(|digests| set_asked(digests, job))?;
+            self.change_digests(|digests| set_asked(digests, &text, job))?;
         }
         Ok(is_first)
     }
 
-    /// Of the tables that ask for something of the result, those that a job lacks of the one that was frozen, or may lack.
-    pub fn lacking_tables(&self, job: &Job) -> Result<Vec<String>, Failure> {
+    /// Of the tables that ask for something of the result, those that a job lacks of the one that was frozen, or may lack. `text` is
+    /// what it was read from.
+    pub fn lacking_tables(&self, text: &str, job: &Job) -> Result<Vec<String>, Failure> {
         let known = Known::read(self.root())?;
-        let lacks = |(table, text): (&str, String)| match known.fit(&entry_of(table), &digest_of_bytes(text.as_bytes()))
-        {
-            Fit::Differs => Some(format!("[{table}]")),
-            Fit::Unknown if text.is_empty() => Some(format!("[{table}] if it had one")),
-            Fit::Fits | Fit::Unknown => None,
-        };
-        Ok(job.asked_tables().into_iter().filter_map(lacks).collect())
+        let lacks =
+            |(table, asked): (&str, String)| match known.fit(&entry_of(table), &digest_of_bytes(asked.as_bytes())) {
+                Fit::Differs => Some(format!("[{table}]")),
+                Fit::Unknown if asked.is_empty() => Some(format!("[{table}] if it had one")),
+                Fit::Fits | Fit::Unknown => None,
+            };
+        Ok(asked_tables(text, job).into_iter().filter_map(lacks).collect())
     }
 
     /// Of them, those that it surely lacks.
-    pub fn lost_tables(&self, job: &Job) -> Result<Vec<String>, Failure> {
-        let lacking = self.lacking_tables(job)?;
+    pub fn lost_tables(&self, text: &str, job: &Job) -> Result<Vec<String>, Failure> {
+        let lacking = self.lacking_tables(text, job)?;
         Ok(lacking.into_iter().filter(|table| table.ends_with(']')).collect())
     }
+}
+
+/// The tables of a job that ask for something of its result, and what they hold: nothing where there is none. Of `[target]`, which
+/// options of a command replace, only that there is one.
+fn asked_tables(text: &str, job: &Job) -> [(&'static str, String); 2] {
+    let has_target = text.parse::<toml_edit::DocumentMut>().is_ok_and(|text| text.contains_key("target"));
+    [("limit", job.limit_table()), ("target", if has_target { "[target]".to_owned() } else { String::new() })]
 }
 
 /// The name among the digests of what a table of the job asks of the result.
@@ -192,16 +200,16 @@ fn entry_of(table: &str) -> String {
 }
 
 /// Sets the digests of what a job asks of its result.
-fn set_asked(digests: &mut Digests, job: &Job) {
-    for (table, text) in job.asked_tables() {
-        digests.set(&entry_of(table), Some(digest_of_bytes(text.as_bytes())));
+fn set_asked(digests: &mut Digests, text: &str, job: &Job) {
+    for (table, asked) in asked_tables(text, job) {
+        digests.set(&entry_of(table), Some(digest_of_bytes(asked.as_bytes())));
     }
 }
 
 /// Those digests as they are known, else of this job.
-pub fn keep_asked(digests: &mut Digests, known: &Digests, job: &Job) {
-    set_asked(digests, job);
-    for (table, _) in job.asked_tables() {
+pub fn keep_asked(digests: &mut Digests, known: &Digests, text: &str, job: &Job) {
+    set_asked(digests, text, job);
+    for (table, _) in asked_tables(text, job) {
         digests.keep(&entry_of(table), known);
     }
 }
