@@ -147,24 +147,32 @@ impl RunDirectory {
     /// Freezes the job, in place of the one before if there is one. This process must work alone.
     pub fn freeze(&self, source: &JobSource, job: &Job) -> Result<(), Failure> {
         let text = source.frozen(job);
-        self.change_digests(|digests| {
-            self.expect_among(digests, JOB, &digest_of_bytes(text.as_bytes()));
-            set_asked(digests, &text, job);
-        })?;
+        self.expect_job(&text, job)?;
         self.publish(JOB, text.as_bytes())
     }
 
     /// Freezes the job, unless another process has just frozen one where no lock keeps it out; returns false then.
     pub fn freeze_first(&self, source: &JobSource, job: &Job) -> Result<bool, Failure> {
         let text = source.frozen(job);
-        self.expect(JOB, &digest_of_bytes(text.as_bytes()))?;
+        self.expect_job(&text, job)?;
         let path = self.path().join(JOB);
         let is_first =
             self.root().publish_first(JOB, text.as_bytes()).map_err(|error| Failure::writing(&path, error))?;
-        if is_first {
-            self.change_digests(|digests| set_asked(digests, &text, job))?;
+        if !is_first {
+            // What the other one asks is not known.
+            self.change_digests(|digests| {
+                asked_tables(&text, job).iter().for_each(|(table, _)| digests.set(&entry_of(table), None));
+            })?;
         }
         Ok(is_first)
+    }
+
+    /// Writes the digest of the text of a job, and of what it asks of its result, which the surface does not hold.
+    fn expect_job(&self, text: &str, job: &Job) -> Result<(), Failure> {
+        self.change_digests(|digests| {
+            self.expect_among(digests, JOB, &digest_of_bytes(text.as_bytes()));
+            set_asked(digests, text, job);
+        })
     }
 
     /// Of the tables that ask for something of the result, those that a job lacks of the one that was frozen, or may lack. `text` is
