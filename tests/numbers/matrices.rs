@@ -761,6 +761,11 @@ fn what_is_wrong_with_matrices_is_said_in_words_of_their_makers() {
         ("matrix = [[2, 1], [1, 2]]", "file = \"new.mat\", matrix = \"K\"", &["7.3", "-v7"]),
         ("kind = \"complex-eigenvalue\"", "kind = \"eigenvalue\"", &["complex-eigenvalue"]),
         ("kind = \"complex-eigenvalue\"", "kind = \"complex-eigenvalue\"\nfrequency = [3000, 1000]", &["is no band"]),
+        (
+            "inputs = [\"friction\"]\nrelative_std = 0.1\n[criterion]",
+            "inputs = [\"friction\",\n \"band\"]\nrelative_std = 0.1\n[criterion]\nbands = [[0, 1], [1, 2]]",
+            &["job.toml:11:2: random.inputs: band (", "cannot scatter", "from 0 to 2", "for example axes.band = [0]"],
+        ),
     ] {
         assert!(whole.contains(wrong));
         place.write("job.toml", &whole.replace(wrong, right));

@@ -291,6 +291,14 @@ fn validate_inputs(random: &RandomSpec, names: Names<'_>, complaints: &mut Compl
 fn input_of(name: &str, names: Names<'_>) -> Result<usize, String> {
     let quantities = names.quantities;
     match quantities.iter().position(|quantity| quantity.name == name) {
+        Some(place) if quantities[place].only_selects => {
+            let Quantity { description, limits, .. } = &quantities[place];
+            Err(format!(
+                "random.inputs: {name} ({description}) only says what of a sample counts, and cannot scatter; remove it, which makes a cell of each value from {least} to {}, or have some as an axis, for example axes.{name} = [{least}]",
+                limits.maximum,
+                least = limits.minimum,
+            ))
+        }
         Some(place) => Ok(place),
         None => Err(match quantities.iter().find(|quantity| quantity.path == name) {
             Some(quantity) => {
