@@ -236,60 +236,55 @@ impl Grid {
         self.axes.iter().filter(|&axis| self.makes_configurations(Some(axis))).map(|axis| axis.axis.0.len()).product()
     }
 
-    /// The configuration of the cell at `index`, below [`Grid::configurations`].
-    #[must_use]
-    pub fn configuration_index(&self, index: u64) -> usize {
-        let (mut configuration, mut stride, mut rest) = (0, 1, index);
+    /// The index of a cell in a grid that has only the axes that `keeps` keeps.
+    fn index_among(&self, index: u64, keeps: impl Fn(Option<&GridAxis>) -> bool) -> u64 {
+        let (mut among, mut stride, mut rest) = (0, 1, index);
         for (axis, length) in self.radices().rev() {
-            if self.makes_configurations(axis) {
-                configuration += rest % length * stride;
+            if keeps(axis) {
+                among += rest % length * stride;
                 stride *= length;
             }
             rest /= length;
         }
-        configuration as usize
+        among
     }
 
-    /// The first cell with a configuration, which must be below [`Grid::configurations`].
-    #[must_use]
-    pub fn first_cell_with(&self, configuration: usize) -> Cell {
-        let (mut index, mut stride, mut rest) = (0, 1, configuration as u64);
+    /// The index of the first cell with an index in that grid.
+    fn first_with(&self, among: u64, keeps: impl Fn(Option<&GridAxis>) -> bool) -> u64 {
+        let (mut first, mut stride, mut rest) = (0, 1, among);
         for (axis, length) in self.radices().rev() {
-            if self.makes_configurations(axis) {
-                index += rest % length * stride;
+            if keeps(axis) {
+                first += rest % length * stride;
                 rest /= length;
             }
-            stride *= length;
-        }
-        self.cell(index)
-    }
-
-    /// The index of the first cell that differs from that at `index` in the scatter and the value of one quantity at most.
-    #[must_use]
-    pub fn first_cell_but_for(&self, quantity: usize, index: u64) -> u64 {
-        let (mut first, mut stride, mut rest) = (0, 1, index);
-        for (axis, length) in self.radices().rev() {
-            if axis.is_some_and(|axis| axis.quantity != quantity) {
-                first += rest % length * stride;
-            }
-            rest /= length;
             stride *= length;
         }
         first
     }
 
+    /// The configuration of the cell at `index`, below [`Grid::configurations`].
+    #[must_use]
+    pub fn configuration_index(&self, index: u64) -> usize {
+        self.index_among(index, |axis| self.makes_configurations(axis)) as usize
+    }
+
+    /// The first cell with a configuration, which must be below [`Grid::configurations`].
+    #[must_use]
+    pub fn first_cell_with(&self, configuration: usize) -> Cell {
+        self.cell(self.first_with(configuration as u64, |axis| self.makes_configurations(axis)))
+    }
+
+    /// The index of the first cell that differs from that at `index` in the scatter and the value of one quantity at most.
+    #[must_use]
+    pub fn first_cell_but_for(&self, quantity: usize, index: u64) -> u64 {
+        let keeps = |axis: Option<&GridAxis>| axis.is_some_and(|axis| axis.quantity != quantity);
+        self.first_with(self.index_among(index, keeps), keeps)
+    }
+
     /// The index of a cell in the grid without the axis of a quantity, if it has one.
     #[must_use]
     pub fn index_without(&self, quantity: usize, index: u64) -> u64 {
-        let (mut without, mut stride, mut rest) = (0, 1, index);
-        for (axis, length) in self.radices().rev() {
-            if axis.is_none_or(|axis| axis.quantity != quantity) {
-                without += rest % length * stride;
-                stride *= length;
-            }
-            rest /= length;
-        }
-        without
+        self.index_among(index, |axis| axis.is_none_or(|axis| axis.quantity != quantity))
     }
 
     /// The axis of a quantity, if it has one.
