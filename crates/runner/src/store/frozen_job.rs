@@ -178,21 +178,40 @@ impl RunDirectory {
     /// Of the tables that ask for something of the result, those that a job lacks of the one that was frozen, or may lack. `text` is
     /// what it was read from.
     pub fn lacking_tables(&self, text: &str, job: &Job) -> Result<Vec<String>, Failure> {
-        let known = Known::read(self.root())?;
-        let lacks =
-            |(table, asked): (&str, String)| match known.fit(&entry_of(table), &digest_of_bytes(asked.as_bytes())) {
-                Fit::Differs => Some(format!("[{table}]")),
-                Fit::Unknown if asked.is_empty() => Some(format!("[{table}] if it had one")),
-                Fit::Fits | Fit::Unknown => None,
-            };
-        Ok(asked_tables(text, job).into_iter().filter_map(lacks).collect())
+        let named = |(table, lack)| match lack {
+            Lack::Certain => format!("[{table}]"),
+            Lack::Possible => format!("[{table}] if it had one"),
+        };
+        Ok(self.lacks(text, job)?.into_iter().map(named).collect())
     }
 
     /// Of them, those that it surely lacks.
     pub fn lost_tables(&self, text: &str, job: &Job) -> Result<Vec<String>, Failure> {
-        let lacking = self.lacking_tables(text, job)?;
-        Ok(lacking.into_iter().filter(|table| table.ends_with(']')).collect())
+        let surely = |(table, lack)| (lack == Lack::Certain).then(|| format!("[{table}]"));
+        Ok(self.lacks(text, job)?.into_iter().filter_map(surely).collect())
     }
+
+    fn lacks(&self, text: &str, job: &Job) -> Result<Vec<(&'static str, Lack)>, Failure> {
+        let known = Known::read(self.root())?;
+        let lack = |(table, asked): (&'static str, String)| {
+            let lack = match known.fit(&entry_of(table), &digest_of_bytes(asked.as_bytes())) {
+                Fit::Differs => Some(Lack::Certain),
+                Fit::Unknown if asked.is_empty() => Some(Lack::Possible),
+                Fit::Fits | Fit::Unknown => None,
+            };
+            lack.map(|lack| (table, lack))
+        };
+        Ok(asked_tables(text, job).into_iter().filter_map(lack).collect())
+    }
+}
+
+/// Whether a job lacks a table of the one that was frozen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Lack {
+    /// It does.
+    Certain,
+    /// It does if that one had it, which is not known.
+    Possible,
 }
 
 /// The tables of a job that ask for something of its result, and what they hold: nothing where there is none. Of `[target]`, which
