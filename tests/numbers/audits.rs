@@ -146,6 +146,40 @@ fn conditional_probabilities_obey_the_ranges_of_drawn_inputs() {
     assert!(conditional > 0.05);
 }
 
+/// `check` says how many there will be, and what goes on with a finished run that lost them says that it draws them.
+#[test]
+fn plain_samples_are_said_before_they_are_drawn() {
+    let place = Place::new();
+    let conditional = "method = \"conditional\"\nsamples = 64";
+    for (name, inputs, sampling, again) in [
+        ("drawn", "\"friction\", \"k\"", conditional, "drawn has all its samples but 300 plain samples beside its"),
+        ("exact", "\"friction\"", "method = \"exact\"", "exact lacked 300 plain samples beside its probabilities"),
+    ] {
+        submitted(&place, name, &two_masses(name, inputs, sampling));
+        let checked = place.run(&format!("check {name}.toml")).done().stdout;
+        let line =
+            "# 300 plain samples beside each cell, to check that its probability misses no region (sampling.audit)";
+        assert!(checked.lines().any(|own| own == line), "{checked}");
+        for command in [format!("resume {name}"), format!("submit {name}.toml --out {name}")] {
+            std::fs::remove_dir_all(place.path(name).join("audit")).unwrap();
+            let said = place.run(&command).done().stderr;
+            assert!(said.contains(again) && !said.contains("nothing to") && !said.contains("finished"), "{said}");
+            let said = place.run(&command).done().stderr;
+            assert!(said.contains("nothing to") || said.contains("is finished already"), "{said}");
+        }
+    }
+    // None where none are wanted, or where probabilities are counted.
+    for (sampling, plain) in
+        [(format!("{conditional}\naudit = 0"), 0), ("samples = 64".to_owned(), 0), (conditional.to_owned(), 300)]
+    {
+        place.write("job.toml", &two_masses("job", "\"friction\", \"k\"", &sampling));
+        let checked: serde_json::Value =
+            serde_json::from_str(&place.run("check job.toml --json").done().stdout).unwrap();
+        assert_eq!(checked["plain_samples_per_cell"], plain, "{sampling}");
+        assert_eq!(place.run("check job.toml").done().stdout.contains("plain samples"), plain > 0, "{sampling}");
+    }
+}
+
 /// A run that ended among its plain samples has no surface yet, and no command writes one from what is there.
 #[test]
 fn no_surface_is_written_before_its_plain_samples() {

@@ -42,13 +42,23 @@ pub fn check(arguments: &CheckArguments) -> Result<(), Failure> {
         false => "# --all shows every key with its value, defaults too\n".to_owned(),
     };
     result(&format!(
-        "# {} is valid.\n# {}: {}\n{}{}{all}",
+        "# {} is valid.\n# {}: {}\n{}{}{}{all}",
         shown(&source.path),
         counted(job.cells().into(), "cell", "cells"),
         axes(&job),
         job.model.remarks(&job.grid),
         cost.text,
+        plain_samples(&job),
     ))
+}
+
+/// A line on the samples beside probabilities that do not come from such.
+fn plain_samples(job: &Job) -> String {
+    let samples = match job.plain_samples() {
+        0 => return String::new(),
+        samples => counted(samples.into(), "plain sample", "plain samples"),
+    };
+    format!("# {samples} beside each cell, to check that its probability misses no region (sampling.audit)\n")
 }
 
 /// Everything by name.
@@ -59,6 +69,7 @@ fn as_json(job: &Job, threads: usize, cost: &Cost) -> Value {
         "job": job.normalised(),
         "cells": job.cells(),
         "samples_at_most": u64::try_from(job.total_samples()).unwrap_or(u64::MAX),
+        "plain_samples_per_cell": job.plain_samples(),
         "threads": threads,
         "seconds": cost.time.as_ref().ok().filter(|_| bounds.is_some()).map(|time| time.seconds),
         "seconds_low": bounds.map(|[low, _]| low),

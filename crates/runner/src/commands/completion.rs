@@ -145,6 +145,7 @@ pub fn compute(
     let mut audits = (job.has_audits() && shard.is_none()).then(|| directory.audits_done(&job)).transpose()?;
     let mut outcome = prepare_maps(&engine, &mut evaluator, &directory, &tally, work, &mut session, interrupt)
         .map_err(|failure| kept(failure, &directory))?;
+    let lacking = audits.as_ref().and_then(|audits| lacking_audits(&job, audits));
     if outcome == Outcome::Finished && job.draws_samples() {
         outcome = count(&engine, &evaluator, &directory, &mut tally, shard, interrupt)
             .map_err(|failure| kept(failure, &directory))?;
@@ -199,7 +200,12 @@ pub fn compute(
         }
         if run.job.answer() == Answer::Integral && !is_new {
             let path = run.directory.path().display();
-            announce(Code::RunFinished, format_args!("{path} is finished already; its surface is unchanged"));
+            match lacking {
+                None => {
+                    announce(Code::RunFinished, format_args!("{path} is finished already; its surface is unchanged"));
+                }
+                Some(samples) => note(format_args!("{path} lacked {samples}, drawn now; its surface is unchanged")),
+            }
         }
         if computed > 0 || is_new {
             session.lookups(surface.lookups());
@@ -209,6 +215,28 @@ pub fn compute(
         run.limits = limits.map_err(|failure| kept(failure, &run.directory))?;
     }
     Ok(run)
+}
+
+/// What a run lacks of the samples that check its probabilities.
+fn lacking_audits(job: &Job, audits: &Tally) -> Option<String> {
+    let parts = Parts::of_audits(job);
+    let lacking = Plan::new(audits, &parts, parts.unit_samples(), None).samples();
+    let [one, many] = match job.plain_samples() {
+        0 => ["audited sample", "audited samples"],
+        _ => ["plain sample", "plain samples"],
+    };
+    (lacking > 0).then(|| format!("{} beside its probabilities", counted(lacking, one, many)))
+}
+
+/// Says of a run whose samples are all counted that it is `finished`, or which plain samples it lacks, which are drawn.
+pub fn announce_finished(directory: &RunDirectory, job: &Job, finished: &str) -> Result<(), Failure> {
+    let path = directory.path().display();
+    let audits = (job.plain_samples() > 0).then(|| directory.audits_done(job)).transpose()?;
+    match audits.and_then(|audits| lacking_audits(job, &audits)) {
+        None => announce(Code::RunFinished, format_args!("{path} {finished}")),
+        Some(samples) => note(format_args!("{path} has all its samples but {samples}, which are drawn now")),
+    }
+    Ok(())
 }
 
 /// The samples that check the probabilities of a run whose samples are all counted; those that are missing are drawn.

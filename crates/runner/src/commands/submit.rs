@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use super::adoption::{RunState, adopt, adopt_as_shard, apart};
 use super::closing::{report, report_as_json};
-use super::completion::{Work, complete_audits, compute, kept_and_continued, lost_tiles, map_only};
+use super::completion::{Work, announce_finished, complete_audits, compute, kept_and_continued, lost_tiles, map_only};
 use super::limit::{publish_limits, with_limits_of};
 use super::named_job::read_job;
 use crate::cli::{MergeArguments, ResumeArguments, SubmitArguments};
@@ -16,7 +16,7 @@ use crate::files::folder::Folder;
 use crate::interrupt::Interrupt;
 use crate::job::{Job, Overrides};
 use crate::messages::Code;
-use crate::output::{FREE_SPACE, HumanCount128, announce, note, quoted, warn};
+use crate::output::{FREE_SPACE, HumanCount128, note, quoted, warn};
 use crate::schedule::engine::Engine;
 use crate::store::directory::RunDirectory;
 use crate::store::layout::{JOB, MAPS};
@@ -71,7 +71,7 @@ pub fn submit(arguments: &SubmitArguments, interrupt: &Interrupt) -> Result<(), 
     }
     match state {
         RunState::Finished(tally) if shard.is_none() => {
-            announce(Code::RunFinished, format_args!("{} is finished already; nothing to do", out.display()));
+            announce_finished(&directory, &job, "is finished already; nothing to do")?;
             // A lost or damaged surface is written again from the pieces.
             let resumed = Advice::command(&format!("all samples are kept; {FREE_SPACE}"), &resume);
             let kept = |failure: Failure| failure.with_advice(&resumed);
@@ -114,10 +114,7 @@ pub fn resume(arguments: &ResumeArguments, interrupt: &Interrupt) -> Result<(), 
     let job = directory.job()?.asked(arguments.asked.target, &arguments.asked.at)?;
     let tally = directory.tally(&job)?;
     if Parts::new(&job).are_complete(&tally) && lost_tiles(&directory, &job, &tally)?.0 == 0 {
-        announce(
-            Code::RunFinished,
-            format_args!("{} has all its samples; nothing to compute", arguments.run.display()),
-        );
+        announce_finished(&directory, &job, "has all its samples; nothing to compute")?;
     }
     let maps = map_directories(&arguments.maps.maps, &job)?;
     let threads = arguments.threads.count();
