@@ -146,13 +146,29 @@ fn analyse_converts_its_other_numbers_by_the_scales_of_the_paper() {
     }
 }
 
+/// The softer the disc, the less the calliper presses the pad, by its spring along y; all else is in proportion to that force.
+#[test]
+fn analyse_has_the_equilibrium_of_either_disc() {
+    let place = Place::new();
+    for (modulus, yields) in [("1e13", 5e-4..1e-3), ("2.1e11", 0.02..0.04), ("2e10", 0.2..0.3)] {
+        let analysis = json(&place.run(&format!("analyse --set disc.youngs_modulus={modulus} --json")).done().stdout);
+        let of = |disc: &str| ["x_mm", "y_mm", "phi"].map(|name| number(&analysis, &format!("{disc}.{name}")));
+        let [[x, y, phi], [rigid_x, rigid_y, rigid_phi]] = ["coupled_equilibrium", "equilibrium"].map(of);
+        let force = (number(&analysis, "preload_mm") + y) / (number(&analysis, "preload_mm") + rigid_y);
+        assert!(yields.contains(&(1.0 - force)), "{modulus}: {force}");
+        assert_close(x, force * rigid_x, 5e-3);
+        assert_close(phi, force * rigid_phi, 5e-3);
+    }
+}
+
 #[test]
 fn the_text_of_analyse_shows_both_units() {
     let place = Place::new();
     let text = place.run("analyse").done().stdout;
     for expected in [
         "tangential, x    -0.013162 +- 2.090397 i  3.694 kHz, growth rate -146.1 1/s",
-        "contact force                               35097.5 N",
+        "\nSteady sliding on a rigid disc\n  contact force                             35097.5 N\n  equilibrium x0   ",
+        " disc modes\n  equilibrium x0   ",
         "critical speed     15.5599 rad/s, unstable below (2.101 m/s under the pad)",
         "period           3.20259                  0.2884 ms",
         "3.224, 3.285, 3.666, 4.763, 6.764 kHz",

@@ -50,7 +50,9 @@ impl Analysis {
             None => FlexibleBrake::with_enough_modes(brake.clone()).map(|(flexible, check)| (flexible, Some(check))),
         };
         let coupled = flexible.and_then(|(flexible, check)| {
+            let q = flexible.sliding_equilibrium(inputs)?;
             Ok(Coupled {
+                equilibrium: [q[0], q[1], q[2]],
                 growth_rate: flexible.growth_rate(inputs)?,
                 stability: flexible.by_eigenvalues(inputs)?,
                 modes: flexible.modes(),
@@ -94,14 +96,14 @@ impl Analysis {
         let critical = self.unstable_speeds.last().map(|speeds| speeds.to);
         let lower_critical = self.unstable_speeds.last().map(|speeds| speeds.from).filter(|from| *from > 0.0);
         let in_m_s = |speed: Option<f64>| speed.map(|speed| self.brake.speed_under_pad(speed));
+        let displacements = |[x, y, phi]: [f64; 3]| {
+            let [x_mm, y_mm] = [x, y].map(|value| scales.millimetres(value));
+            json!({ "x": x, "y": y, "phi": phi, "x_mm": x_mm, "y_mm": y_mm })
+        };
+        let SlidingEquilibrium { tangential, normal, angle, .. } = self.equilibrium;
         let mut analysis = json!({
-            "equilibrium": {
-                "x": self.equilibrium.tangential,
-                "y": self.equilibrium.normal,
-                "phi": self.equilibrium.angle,
-                "x_mm": scales.millimetres(self.equilibrium.tangential),
-                "y_mm": scales.millimetres(self.equilibrium.normal),
-            },
+            "equilibrium": displacements([tangential, normal, angle]),
+            "coupled_equilibrium": coupled.map(|coupled| displacements(coupled.equilibrium)),
             "normal_force_n": scales.newtons(self.equilibrium.normal_force),
             "friction_coefficient": self.equilibrium.friction_coefficient,
             "eigenvalues": eigenvalues.iter().map(|value| [value.re, value.im]).collect::<Vec<_>>(),
@@ -187,8 +189,10 @@ fn disc_frequencies(brake: &PadOnDisc) -> Vec<f64> {
     (0..=MOST_NODAL_DIAMETERS).map_while(lowest).collect()
 }
 
-/// What the eigenvalues of pad and flexible disc say.
+/// Steady sliding of pad and flexible disc, and what the eigenvalues say of it.
 pub struct Coupled {
+    /// x and y over h, and phi in rad.
+    pub equilibrium: [f64; 3],
     pub growth_rate: f64,
     pub stability: LinearStability,
     pub modes: usize,

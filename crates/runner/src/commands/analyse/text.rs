@@ -38,7 +38,6 @@ impl Analysis {
     fn sliding_text(&self) -> String {
         let (scales, point) = (self.brake.scales(), &self.brake.parameters().operating_point);
         let equilibrium = &self.equilibrium;
-        let in_mm = |label: &str, value: f64| row(label, &format!("{value:.6e}"), &length(scales.metres(value)));
         row("", "scaled", "SI")
             + &row(
                 "speed under pad",
@@ -46,12 +45,19 @@ impl Analysis {
                 &speed(self.brake.speed_under_pad(point.rotating_speed)),
             )
             + &row("preload", &rounded(point.preload), &length(scales.metres(point.preload)))
-            + &row("contact force", "", &format!("{:.1} N", scales.newtons(equilibrium.normal_force)))
             + &row("friction mu0", &format!("{:.5}", equilibrium.friction_coefficient), "")
             + &self.curve_text()
-            + &in_mm("equilibrium x0", equilibrium.tangential)
-            + &in_mm("equilibrium y0", equilibrium.normal)
-            + &row("equilibrium phi0", "", &format!("{:.6e} rad", equilibrium.angle))
+            + "Steady sliding on a rigid disc\n"
+            + &row("  contact force", "", &format!("{:.1} N", scales.newtons(equilibrium.normal_force)))
+            + &self.displacements_text([equilibrium.tangential, equilibrium.normal, equilibrium.angle])
+    }
+
+    /// The displacements of an equilibrium: x and y over h, and phi in rad.
+    fn displacements_text(&self, [x, y, phi]: [f64; 3]) -> String {
+        let metres = |value: f64| length(self.brake.scales().metres(value));
+        row("  equilibrium x0", &format!("{x:.6e}"), &metres(x))
+            + &row("  equilibrium y0", &format!("{y:.6e}"), &metres(y))
+            + &row("  equilibrium phi0", "", &format!("{phi:.6e} rad"))
     }
 
     /// How long a measured friction curve is, how often it falls and rises, and where it is at or below 0; nothing of another
@@ -89,8 +95,9 @@ impl Analysis {
             };
         }
         text += &match &self.coupled {
-            Ok(Coupled { growth_rate: rate, modes, .. }) => {
+            Ok(Coupled { equilibrium, growth_rate: rate, modes, .. }) => {
                 format!("Pad and flexible disc together, {modes} disc modes\n")
+                    + &self.displacements_text(*equilibrium)
                     + &row("  fastest growth", &format!("{rate:+.6}"), &growth_rate(scales.per_second(*rate)))
             }
             Err(error) => format!("Pad and flexible disc together: {error}\n"),
