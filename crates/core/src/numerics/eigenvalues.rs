@@ -10,6 +10,9 @@ use thiserror::Error;
 
 use super::schur::{SWEEPS_PER_ROW, eigenvalues_of, power_of_two_near, real_schur};
 
+/// What the sum of eigenvalues may differ by from the trace, over the norm of the matrix.
+const TRACE: f64 = 1e-10;
+
 /// One eigenvalue; its real part is a growth rate, its imaginary part an angular frequency.
 pub type Eigenvalue = Complex<f64>;
 
@@ -70,9 +73,13 @@ pub fn fast_eigenvalues(matrix: &DMatrix<f64>) -> Option<(Vec<Eigenvalue>, f64)>
     let (scaled, scale) = balanced(matrix).ok()??;
     let entries = MatRef::from_column_major_slice(scaled.as_slice(), scaled.nrows(), scaled.ncols());
     let values = entries.eigenvalues().ok()?;
-    let is_finite = values.iter().all(|value| value.re.is_finite() && value.im.is_finite());
+    // The trace shows whether the iteration, which does not say so, came to its end; it is not a number where a value is none.
+    let norm = scaled.norm();
+    let off = values.iter().map(|value| value.re).sum::<f64>() - scaled.trace();
+    let imaginary = values.iter().map(|value| value.im).sum::<f64>();
+    let is_right = off.abs().max(imaginary.abs()) <= TRACE * norm && !imaginary.is_nan();
     let values = values.into_iter().map(|value| Eigenvalue::new(value.re, value.im) * scale).collect();
-    is_finite.then(|| (values, scaled.norm() * scale))
+    is_right.then_some((values, norm * scale))
 }
 
 /// A matrix that is scaled by a power of two and balanced, and the power; nothing for one of zeros.

@@ -27,8 +27,8 @@ const LARGE: usize = 24;
 /// How far from the edge of a region eigenvalues count with any last bits, in parts of themselves and of the norm of the
 /// matrix: some thousand times the change of a pair that is about to couple with another, whose eigenvalues move by the root of
 /// the rounding.
-const CLEAR: f64 = 1e-4;
-const CLEAR_OF_NORM: f64 = 1e-9;
+pub(super) const CLEAR: f64 = 1e-4;
+pub(super) const CLEAR_OF_NORM: f64 = 1e-9;
 
 /// Decides samples of a problem about an origin.
 pub struct Decider<'a> {

@@ -62,7 +62,7 @@ impl SafeChanges {
         let not_followed = |delta: &[f64]| -> Option<Vec<Eigenvalue>> {
             let mut coefficients = origin.to_vec();
             changing.iter().zip(delta).for_each(|(&k, delta)| coefficients[k] += delta);
-            let mut all = problem.at(&coefficients).eigenvalues().ok()?;
+            let mut all = problem.at(&coefficients).fast_eigenvalues()?;
             // Zeros are those that are so whatever the coefficients.
             all.retain(|value| value.im >= 0.0 && *value != Eigenvalue::from(0.0));
             for mode in follow(delta)?.iter().filter(|mode| mode.eigenvalue.im > -1e-9) {

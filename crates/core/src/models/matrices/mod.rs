@@ -56,6 +56,16 @@ mod limit_branch;
 
 mod decided;
 
+mod fast_basis;
+
+mod boundary;
+
+mod coupled;
+
+mod centre;
+
+mod centres;
+
 mod samples;
 
 pub mod model;

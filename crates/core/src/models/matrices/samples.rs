@@ -3,10 +3,12 @@
 use std::any::Any;
 use std::sync::{Arc, OnceLock};
 
+use super::centres::Centres;
 use super::decide::{Decider, MOST_REGIONS, RegionSet};
 use super::decided::{Asked, Decided};
 use super::limit_branch::limit_states;
 use super::problem::Problem;
+use super::quadratic::DenseQuadratic;
 use super::recorded::PairResult;
 use super::region::{RESOLUTION, Region, excess};
 use super::series::ModeSeries;
@@ -41,7 +43,7 @@ pub(super) struct Bands {
 /// What samples with the same expected values share.
 pub(super) struct Samples {
     shared: Arc<Shared>,
-    /// What all eigenvalues of samples have said of each band, where there are several.
+    /// What is found for all bands at once.
     together: Option<Arc<Together>>,
     /// The places of those that count among them.
     places: RegionSet,
@@ -55,7 +57,25 @@ pub(super) struct Samples {
 struct Together {
     /// All bands, in the unit of the problem.
     regions: Vec<Region>,
-    decided: Decided,
+    /// What was found of samples, where there are several.
+    decided: Option<Decided>,
+    centres: Centres,
+}
+
+impl Together {
+    /// The bands in which a sample is unstable, from a centre or by all eigenvalues, where these converge; `None` if they are being
+    /// found for another band and the sample is not `wanted_now`.
+    fn bands(&self, problem: &DenseQuadratic, coefficients: &[f64], wanted_now: bool) -> Option<Option<RegionSet>> {
+        let by_all = || Decider::of_each(problem, &self.regions).by_all(coefficients);
+        let find = || self.centres.regions(problem, coefficients).or_else(by_all);
+        let Some(decided) = &self.decided else { return Some(find()) };
+        match decided.ask(coefficients) {
+            Asked::InWork if !wanted_now => None,
+            Asked::InWork => Some(find()),
+            Asked::Decided(regions) => Some(regions),
+            Asked::Unknown(undecided) => Some(undecided.decided(find())),
+        }
+    }
 }
 
 /// A configuration with the series about its expected values, made when it is first wanted.
@@ -79,13 +99,17 @@ impl Shared {
         self.matrices.coefficients(&self.expected)
     }
 
+    /// The coefficients that differ from sample to sample.
+    fn changing(&self) -> Vec<usize> {
+        let terms = self.matrices.damping.iter().chain(&self.matrices.stiffness).enumerate();
+        let changes = |term: &Term| term.factor.parameters().any(|own| self.varying.contains(&own));
+        terms.filter(|(_, term)| changes(term)).map(|(place, _)| place).collect()
+    }
+
     fn series(&self) -> Option<&ModeSeries> {
         let make = || {
             let Problem::Dense(problem) = &self.problem else { return None };
-            let terms = self.matrices.damping.iter().chain(&self.matrices.stiffness).enumerate();
-            let changes = |term: &Term| term.factor.parameters().any(|own| self.varying.contains(&own));
-            let changing: Vec<usize> = terms.filter(|(_, term)| changes(term)).map(|(place, _)| place).collect();
-            ModeSeries::new(problem, &self.origin(), &changing, &self.scaled, self.most_numbers)
+            ModeSeries::new(problem, &self.origin(), &self.changing(), &self.scaled, self.most_numbers)
         };
         self.series.get_or_init(make).as_ref()
     }
@@ -105,12 +129,7 @@ impl Samples {
         let scale = |regions: &[Region]| regions.iter().map(|region| region.in_unit(problem.unit())).collect();
         let is_first = like.is_none();
         let like = like.and_then(Self::from_any);
-        let are_several = (2..=MOST_REGIONS).contains(&all.len()) && matrices.size() >= LARGE;
-        let are_several = are_several && matches!(problem, Problem::Dense(_));
-        let together = match like {
-            Some(like) => like.together.clone(),
-            None => are_several.then(|| Arc::new(Together { regions: scale(&all), decided: Decided::default() })),
-        };
+        let others = like.and_then(|like| like.together.clone());
         let like = like.map(|like| like.shared.clone());
         let like = like.filter(|like| like.regions == own && like.varying == varying);
         let shared = Shared {
@@ -124,6 +143,17 @@ impl Samples {
             most_numbers: if is_first { MOST_NUMBERS_OF_FIRST } else { MOST_NUMBERS },
             series: OnceLock::new(),
         };
+        let is_large = matches!(problem, Problem::Dense(_)) && matrices.size() >= LARGE;
+        let new = || {
+            let regions: Vec<Region> = scale(&all);
+            Arc::new(Together {
+                decided: (regions.len() > 1).then(Decided::default),
+                centres: Centres::new(regions.clone(), shared.changing(), shared.origin()),
+                regions,
+            })
+        };
+        let is_wanted = is_first && is_large && (1..=MOST_REGIONS).contains(&all.len());
+        let together = others.or_else(|| is_wanted.then(new));
         Box::new(Self { shared: Arc::new(shared), together, places, like, serves: OnceLock::new() })
     }
 
@@ -151,18 +181,15 @@ impl Samples {
         }
         let unstable = match &self.shared.problem {
             Problem::Dense(problem) => {
-                let decider = Decider::of_any(problem, &self.shared.scaled, self.series());
-                match (decider.by_series(coefficients), &self.together) {
+                let together = self.together.as_ref();
+                let is_first = together.is_some_and(|together| together.centres.come_first(problem));
+                let decider = || Decider::of_any(problem, &self.shared.scaled, self.series());
+                let told = if is_first { None } else { decider().by_series(coefficients) };
+                match (told, together) {
                     (Some((regions, _)), _) => Some(regions != 0),
-                    (None, None) => decider.by_all(coefficients).map(|regions| regions != 0),
+                    (None, None) => decider().by_all(coefficients).map(|regions| regions != 0),
                     (None, Some(together)) => {
-                        let find = || Decider::of_each(problem, &together.regions).by_all(coefficients);
-                        let regions = match together.decided.ask(coefficients) {
-                            Asked::InWork if !wanted_now => return None,
-                            Asked::InWork => find(),
-                            Asked::Decided(regions) => regions,
-                            Asked::Unknown(undecided) => undecided.decided(find()),
-                        };
+                        let regions = together.bands(problem, coefficients, wanted_now)?;
                         regions.map(|regions| regions & self.places != 0)
                     }
                 }

@@ -1,0 +1,202 @@
+use nalgebra::{DVector, dvector};
+
+use super::*;
+use crate::models::matrices::decide::Decider;
+use crate::models::matrices::trial::{Numbers, close_modes, problem as small_problem};
+
+/// A structure with damping, friction that couples its modes, and gyroscopic forces. Some modes are heavily damped. Coefficients are 1.
+pub(in super::super) fn structure(seed: usize, size: usize) -> (DenseQuadratic, [Region; 2]) {
+    let mut numbers = Numbers(seed as u64);
+    (0..5).for_each(|_| {
+        numbers.next();
+    });
+    let mut matrix = |size_of_entries: f64| DMatrix::from_fn(size, size, |_, _| size_of_entries * numbers.next());
+    let place = |i: usize| 0.3 + 1.7 * (i as f64 + 0.5) / size as f64;
+    let frequencies = DVector::from_fn(size, |i, _| place(i) * place(i));
+    let mut ratios = matrix(0.02).column(0).map(f64::abs);
+    if seed % 3 == 1 {
+        (0..size).step_by(4).for_each(|i| ratios[i] = 0.7);
+    }
+    let own = DMatrix::from_diagonal(&frequencies);
+    let damping = DMatrix::from_diagonal(&DVector::from_fn(size, |i, _| 2.0 * ratios[i] * frequencies[i].sqrt()));
+    let stiffer = matrix(0.3);
+    let lining = &own * 0.5 + &stiffer + stiffer.transpose();
+    let spin = matrix(0.05);
+    let terms = [damping, &spin - spin.transpose(), own - &lining * 0.5, lining * 0.5, matrix(0.1)];
+    let problem = DenseQuadratic::new(&DMatrix::identity(size, size), &terms[..2], &terms[2..], &[1.0; 5]).unwrap();
+    let damping_ratio = [0.0, 0.004, -0.002][seed / 3 % 3];
+    let top = if seed.is_multiple_of(5) { f64::INFINITY } else { 1.3 };
+    let bands = [[0.6, 0.9], [0.9, top]].map(|[lowest, highest]| Region { lowest, highest, damping_ratio });
+    let bands = bands.map(|band| band.in_unit(problem.unit()));
+    (problem, bands)
+}
+
+/// Of samples about a centre: how many there are, how many are told, and how many of those are unstable.
+#[derive(Debug, Default)]
+struct Tally {
+    samples: usize,
+    told: usize,
+    unstable: usize,
+}
+
+fn tried(problem: &DenseQuadratic, origin: &[f64], regions: &[Region], scatter: &[f64], samples: usize) -> Tally {
+    let mut tally = Tally::default();
+    let changing: Vec<usize> = (0..origin.len()).filter(|&k| scatter[k] != 0.0).collect();
+    let Some(centre) = Centre::new(problem, origin, &changing, regions) else { return tally };
+    let mut numbers = Numbers(samples as u64);
+    for _ in 0..samples {
+        let coefficients: Vec<f64> =
+            origin.iter().zip(scatter).map(|(value, part)| value * (1.0 + part * numbers.normal())).collect();
+        tally.samples += 1;
+        let Some(told) = centre.regions(&coefficients, regions) else { continue };
+        let truth = Decider::of_each(problem, regions).by_all(&coefficients);
+        assert_eq!(Some(told), truth, "{coefficients:?}");
+        tally.told += 1;
+        tally.unstable += usize::from(told != 0);
+    }
+    tally
+}
+
+/// Structures of 4 to 24 coordinates with 1 to 5 changing coefficients and scatter from 0.2 to 10 %.
+#[test]
+fn what_a_centre_tells_is_what_all_eigenvalues_tell() {
+    let mut sum = Tally::default();
+    for seed in 0..240 {
+        let (problem, regions) = structure(seed, 4 + seed % 21);
+        let size_of_scatter = [0.002, 0.01, 0.03, 0.1][seed % 4];
+        let scatter: Vec<f64> = (0..5).map(|k| if (seed >> k) % 2 == 0 { size_of_scatter } else { 0.0 }).collect();
+        let Tally { samples, told, unstable } = tried(&problem, &[1.0; 5], &regions, &scatter, 60);
+        sum = Tally { samples: sum.samples + samples, told: sum.told + told, unstable: sum.unstable + unstable };
+    }
+    assert!(sum.samples > 10_000 && sum.told > 4000 && sum.unstable > 800, "{sum:?}");
+}
+
+/// The exact matrix at places of a region, the other modes eliminated, is within the bounds, and near to them in some case for each
+/// of the two terms.
+#[test]
+fn the_eliminated_matrix_is_within_its_bounds_and_these_are_not_wide() {
+    let region = Region { lowest: 1.0, highest: 2.0, damping_ratio: 0.0 };
+    let (kept, all) = (3, 8);
+    let mut numbers = Numbers(3);
+    let mut number = move || Complex::new(numbers.next(), numbers.next());
+    let mut largest = [0.0_f64; 3];
+    for case in 0..300 {
+        let eigenvalues: Vec<Eigenvalue> = (0..all)
+            .map(|i| {
+                let value = number();
+                // Kept ones are near the band; of the others some are near its ends, and some are strongly damped or conjugate.
+                if i < kept {
+                    Complex::new(-0.2 + 0.2 * value.re, 1.5 + 0.6 * value.im)
+                } else {
+                    Complex::new(-0.8 + 0.1 * value.re, [2.8, 0.3, -1.5, 2.9, 1.5][i - kept] + 0.1 * value.im)
+                }
+            })
+            .collect();
+        let changes: Vec<ComplexMat> = (0..2).map(|_| Mat::from_fn(all, all, |_, _| number())).collect();
+        // In the first cases nothing couples the others among themselves, so that the second bound is alone.
+        let is_of_others = |i: usize, j: usize| i >= kept && j >= kept;
+        let keep = |i: usize, j: usize| f64::from(u8::from(case >= 100 || !is_of_others(i, j)));
+        let changes: Vec<ComplexMat> =
+            changes.iter().map(|change| Mat::from_fn(all, all, |i, j| change[(i, j)] * keep(i, j))).collect();
+        let basis = FastBasis { eigenvalues: eigenvalues.clone(), changes: changes.clone(), norm: 3.0, rounding: 0.0 };
+        let centre = Centre::in_basis(basis, &[1.0, 1.0], &[0, 1], &[region]).unwrap();
+        assert_eq!(centre.kept(), kept);
+        let part = number() * 0.12;
+        let Some(bounded) = centre.bounded(&[1.0 + part.re, 1.0 + part.im]) else { continue };
+        let change = |i: usize, j: usize| changes[0][(i, j)] * part.re + changes[1][(i, j)] * part.im;
+        let others = all - kept;
+        let unit = |i: usize, j: usize| Complex::from(f64::from(u8::from(i == j)));
+        let weighted = Mat::from_fn(others, others, |r, q| {
+            let root = |r: usize| region.distance(eigenvalues[kept + r]).sqrt();
+            change(kept + r, kept + q) / (root(r) * root(q))
+        });
+        let norm = weighted.singular_values().unwrap()[0];
+        let bound = centre.norm(&products(&[part.re, part.im]));
+        assert!(norm <= bound * (1.0 + 1e-9), "{norm} {bound}");
+        largest[2] = largest[2].max(norm / bound);
+        let at_places = bounded.places.iter().copied();
+        for z in at_places.chain((0..6).map(|k| Complex::new(0.1 * f64::from(k % 3), 1.0 + 0.2 * f64::from(k)))) {
+            let block = Mat::from_fn(others, others, |r, q| {
+                unit(r, q) * (z - eigenvalues[kept + q]) - change(kept + r, kept + q)
+            });
+            let inverse = faer::linalg::solvers::DenseSolveCore::inverse(&block.partial_piv_lu());
+            let right = Mat::from_fn(others, kept, |r, j| change(kept + r, j));
+            let left = Mat::from_fn(kept, others, |i, r| change(i, kept + r));
+            let eliminated = &left * (&inverse * &right);
+            for i in 0..kept {
+                for j in 0..kept {
+                    let exact = unit(i, j) * eigenvalues[i] + change(i, j) + eliminated[(i, j)];
+                    let off = magnitude(exact - bounded.entries[i * kept + j]);
+                    let away = (magnitude(z - bounded.places[i]) * bounded.slope[i]).min(2.0 * bounded.most[i]);
+                    let bound = (bounded.constant[i] + away) * bounded.columns[j];
+                    assert!(off <= bound * (1.0 + 1e-9) + 1e-14, "{case} {i} {j}: {off} {bound}");
+                    if bound > 1e-9 {
+                        let place = if case < 100 { 0 } else { 1 };
+                        largest[place] = largest[place].max(off / bound);
+                    }
+                }
+            }
+        }
+    }
+    assert!(largest.iter().all(|part| *part > 0.5), "{largest:?}");
+}
+
+/// One mode is driven by another that is heavily damped, less so in the sample: with terms of second order it is stable, and it is not.
+#[test]
+fn what_is_beyond_second_order_is_left_open() {
+    let coupling = 0.011_f64.sqrt();
+    let change = [[0.0, coupling], [coupling, 0.5]];
+    let basis = FastBasis {
+        eigenvalues: vec![Complex::new(-0.02, 1.0), Complex::new(-1.0, 1.0)],
+        changes: vec![Mat::from_fn(2, 2, |i, j| Complex::from(change[i][j]))],
+        norm: 1.0,
+        rounding: 1e-15,
+    };
+    let regions = [Region { lowest: 0.5, highest: 2.0, damping_ratio: 0.0 }];
+    let centre = Centre::in_basis(basis, &[0.0], &[0], &regions).unwrap();
+    assert_eq!(centre.regions(&[0.9], &regions), Some(0));
+    assert_eq!(centre.regions(&[1.0], &regions), None);
+}
+
+/// Problems with strong damping of single directions, so that modes are real, and coefficients of other sizes.
+#[test]
+fn small_problems_of_all_kinds_agree_too() {
+    let mut told = 0;
+    for seed in (0..400).filter(|seed| seed % 4 != 0) {
+        let (problem, origin, region) = small_problem(seed);
+        told += tried(&problem, &origin, &[region], &[0.05; 6], 20).told;
+    }
+    assert!(told > 1000, "{told}");
+}
+
+/// A mode that is not kept comes down into the band, where it is unstable: no coupling tells of it.
+#[test]
+fn a_mode_that_is_not_kept_and_enters_a_band_is_seen() {
+    let stiffness = [DMatrix::from_diagonal(&dvector![1.0, 0.0]), DMatrix::from_diagonal(&dvector![0.0, 4.0])];
+    let damping = [DMatrix::from_diagonal(&dvector![0.02, -0.01])];
+    let problem = DenseQuadratic::new(&DMatrix::identity(2, 2), &damping, &stiffness, &[1.0; 3]).unwrap();
+    let region = [Region { lowest: 0.9, highest: 1.1, damping_ratio: 0.0 }.in_unit(problem.unit())];
+    let centre = Centre::new(&problem, &[1.0; 3], &[2], &region).unwrap();
+    assert_eq!(centre.kept.len(), 1);
+    assert_eq!(centre.regions(&[1.0, 1.0, 0.8], &region), Some(0));
+    assert_ne!(centre.regions(&[1.0, 1.0, 0.25], &region), Some(0));
+    // Other coefficients than those it was made for are none of its own.
+    assert_eq!(centre.regions(&[1.0, 1.01, 1.0], &region), None);
+    assert_eq!(centre.distance(&[1.0, 1.01, 1.0]), None);
+}
+
+#[test]
+fn there_is_no_centre_for_bands_from_zero_or_where_vectors_are_nearly_parallel() {
+    let (problem, regions) = structure(1, 6);
+    let from_zero = regions.map(|region| Region { lowest: 0.0, ..region });
+    assert!(Centre::new(&problem, &[1.0; 5], &[4], &regions).is_some());
+    assert!(Centre::new(&problem, &[1.0; 5], &[4], &from_zero).is_none());
+    assert!(Centre::new(&problem, &[1.0; 5], &[], &regions).is_none());
+    // Two modes that friction makes one.
+    let modes = close_modes(1e-2, 4e-4);
+    let region = [Region { lowest: 0.5, highest: 2.0, damping_ratio: 0.0 }.in_unit(modes.unit())];
+    assert!(Centre::new(&modes, &[1.0, 1.0, 0.1], &[2], &region).is_some());
+    assert!(Centre::new(&modes, &[1.0, 1.0, 0.5], &[2], &region).is_none());
+    let narrow = region.map(|region| Region { damping_ratio: 0.95, ..region });
+    assert!(Centre::new(&modes, &[1.0, 1.0, 0.1], &[2], &narrow).is_none());
+}

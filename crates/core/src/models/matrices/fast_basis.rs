@@ -1,0 +1,142 @@
+//! A basis of eigenvectors in which changes of a problem are written, found fast: its last bits depend on the processor.
+
+use faer::linalg::solvers::DenseSolveCore;
+use faer::{Mat, MatRef};
+use nalgebra::{Complex, DMatrix};
+
+use super::quadratic::DenseQuadratic;
+use super::region::magnitude;
+use crate::numerics::eigenvalues::Eigenvalue;
+
+/// The condition number of an eigenvalue up to which the rounding of changes is far below 1e-9 of the matrix.
+const WORST_CONDITION: f64 = 1e4;
+
+/// Coefficients change by this part where nothing says by how much.
+pub(super) const TYPICAL_CHANGE: f64 = 0.1;
+
+/// Sweeps that balance the couplings of modes, and by how much they scale each at most.
+const SWEEPS: usize = 10;
+const LARGEST_SCALE: f64 = 30.0;
+
+/// What rounding is taken to be over what shows of it, and up to which part of the norm there is a basis.
+const SAFETY: f64 = 10.0;
+const LARGEST_ROUNDING: f64 = 1e-9;
+
+pub(super) type ComplexMat = Mat<Complex<f64>>;
+
+/// The eigenvalues of the matrix A of first order of a problem, and what changes of coefficients add to `diag(lambda)`: with the right
+/// vectors V and the left ones W, `W V = 1`, these are `W (dA / dc_k) V`.
+pub(super) struct FastBasis {
+    pub(super) eigenvalues: Vec<Eigenvalue>,
+    /// For each coefficient that changes. Modes are scaled so that typical changes couple each to the others as much as these to it.
+    pub(super) changes: Vec<ComplexMat>,
+    /// `|A|`.
+    pub(super) norm: f64,
+    /// What rounding makes of an entry of `diag(lambda)` and of changes that are not larger than A.
+    pub(super) rounding: f64,
+}
+
+impl FastBasis {
+    /// The basis at these coefficients for changes of some of them; `None` if there is none or vectors are nearly parallel.
+    pub(super) fn new(problem: &DenseQuadratic, coefficients: &[f64], changing: &[usize]) -> Option<Self> {
+        let companion = problem.at(coefficients).companion();
+        let norm = companion.norm();
+        let (eigenvalues, right, left) = eigenvectors(&companion)?;
+        let change = |&k: &usize| &left * change_times(problem, k, &right);
+        let mut changes: Vec<ComplexMat> = changing.iter().map(change).collect();
+        let typical: Vec<f64> = changing.iter().map(|&k| TYPICAL_CHANGE * coefficients[k].abs()).collect();
+        let scales = scales(&changes, &typical);
+        changes.iter_mut().for_each(|change| scale(change, &scales));
+        // What W A V and W V differ by from what they should be shows whether all of this is so.
+        let count = eigenvalues.len();
+        let matrix = Mat::from_fn(count, count, |i, j| Complex::from(companion[(i, j)]));
+        let mut residuals = [&left * (&matrix * &right), &left * &right];
+        for i in 0..count {
+            residuals[0][(i, i)] -= eigenvalues[i];
+            residuals[1][(i, i)] -= Complex::from(1.0);
+        }
+        residuals.iter_mut().for_each(|residual| scale(residual, &scales));
+        let [of_values, of_unit] = residuals.map(|residual| {
+            let all = (0..count).flat_map(|j| (0..count).map(move |i| (i, j)));
+            all.map(|place| magnitude(residual[place]))
+                .fold(0.0, |largest: f64, value| if value <= largest { largest } else { value })
+        });
+        let rounding = SAFETY * (of_values + of_unit * norm) + f64::EPSILON * norm;
+        (rounding <= LARGEST_ROUNDING * norm).then_some(Self { eigenvalues, changes, norm, rounding })
+    }
+}
+
+/// All eigenvalues of a matrix with right vectors as columns and left ones as rows; `None` if there are none or they are nearly
+/// parallel.
+fn eigenvectors(matrix: &DMatrix<f64>) -> Option<(Vec<Eigenvalue>, ComplexMat, ComplexMat)> {
+    if matrix.iter().any(|entry| !entry.is_finite()) {
+        return None;
+    }
+    let found = MatRef::from_column_major_slice(matrix.as_slice(), matrix.nrows(), matrix.ncols()).eigen().ok()?;
+    let right = found.U().to_owned();
+    let left = right.partial_piv_lu().inverse();
+    let count = right.ncols();
+    let square = |value: &Complex<f64>| value.norm_sqr();
+    let condition = |i: usize| {
+        let lengths = [
+            (0..count).map(|j| square(&right[(j, i)])).sum::<f64>(),
+            (0..count).map(|j| square(&left[(i, j)])).sum::<f64>(),
+        ];
+        (lengths[0] * lengths[1]).sqrt()
+    };
+    let is_good = |i: usize| condition(i) <= WORST_CONDITION;
+    let eigenvalues = found.S().column_vector().iter().copied().collect();
+    (0..count).all(is_good).then_some((eigenvalues, right, left))
+}
+
+/// What a unit of a coefficient changes in the matrix of first order, times vectors.
+fn change_times(problem: &DenseQuadratic, coefficient: usize, vectors: &ComplexMat) -> ComplexMat {
+    let term = problem.term(coefficient);
+    let size = term.nrows();
+    let held = vectors.nrows() - size;
+    // Displacements are the first coordinates of the state, but for those that dampers alone hold; rates are the last.
+    let (first, moved) = match problem.is_damping(coefficient) {
+        true => (0, vectors.as_ref().subrows(held, size)),
+        false => (size - held, vectors.as_ref().subrows(0, held)),
+    };
+    let term = Mat::from_fn(size, size - first, |i, j| Complex::from(-term[(i, first + j)]));
+    let lower = &term * moved;
+    let mut all = Mat::zeros(vectors.nrows(), vectors.ncols());
+    all.as_mut().subrows_mut(held, size).copy_from(&lower);
+    all
+}
+
+/// Scales of modes with which typical changes couple each to the others as much as these to it.
+fn scales(changes: &[ComplexMat], typical: &[f64]) -> Vec<f64> {
+    let count = changes.first().map_or(0, Mat::nrows);
+    let mut sums = DMatrix::<f64>::zeros(count, count);
+    for (change, size) in changes.iter().zip(typical) {
+        for (j, mut column) in sums.column_iter_mut().enumerate() {
+            column
+                .iter_mut()
+                .enumerate()
+                .filter(|(i, _)| *i != j)
+                .for_each(|(i, sum)| *sum += size * magnitude(change[(i, j)]));
+        }
+    }
+    let across = sums.transpose();
+    let mut scales = vec![1.0_f64; count];
+    for _ in 0..SWEEPS {
+        for i in 0..count {
+            let row: f64 = across.column(i).iter().zip(&scales).map(|(entry, scale)| entry * scale).sum();
+            let column: f64 = sums.column(i).iter().zip(&scales).map(|(entry, scale)| entry / scale).sum();
+            if row > 0.0 && column > 0.0 {
+                scales[i] = (row / column).sqrt().clamp(1.0 / LARGEST_SCALE, LARGEST_SCALE);
+            }
+        }
+    }
+    scales
+}
+
+fn scale(matrix: &mut ComplexMat, scales: &[f64]) {
+    for j in 0..scales.len() {
+        for i in 0..scales.len() {
+            matrix[(i, j)] *= scales[j] / scales[i];
+        }
+    }
+}
