@@ -132,6 +132,32 @@ mod tests {
         }
     }
 
+    /// Two modes that turn into their sum and difference, with errors that grow from different places: from the first for both, with what
+    /// the second has there.
+    #[test]
+    fn errors_of_a_group_grow_from_one_place() {
+        let entry = |re: f64, im: f64| Complex::new(re, im);
+        let bounded = Bounded {
+            entries: vec![entry(-0.1, 1.5), entry(0.0, 0.02), entry(0.0, 0.02), entry(-0.1, 1.5)],
+            margins: vec![1e-9, 2e-9],
+            rounding: 1e-15,
+            constant: vec![0.0, 0.5],
+            slope: vec![0.25, 1.0],
+            most: vec![2.0, 4.0],
+            places: vec![entry(0.0, 1.5), entry(0.0, 1.6)],
+            columns: vec![1.0, 3.0],
+        };
+        let together = grouped(&bounded).unwrap();
+        let root = 0.5_f64.sqrt();
+        for mode in 0..2 {
+            let bounds = [together.constant[mode], together.slope[mode], together.most[mode], together.columns[mode]];
+            let expected = [(0.5 + 0.1) * root, 1.25 * root, 6.0 * root, 4.0 * root];
+            assert!(bounds.iter().zip(expected).all(|(bound, expected)| (bound - expected).abs() < 1e-9), "{bounds:?}");
+            assert_eq!((together.places[mode], together.margins[mode]), (bounded.places[0], 2e-9));
+        }
+        assert!(together.rounding >= 1e-15);
+    }
+
     /// Two modes that damping keeps stable, coupled by more than that: where they turn is what counts.
     #[test]
     fn modes_that_are_coupled_by_more_than_their_damping_are_told_together() {

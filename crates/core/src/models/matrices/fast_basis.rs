@@ -140,3 +140,35 @@ fn scale(matrix: &mut ComplexMat, scales: &[f64]) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::dmatrix;
+
+    use super::*;
+
+    /// Two modes of which a change couples one to the other a hundred times as strongly as back.
+    #[test]
+    fn modes_are_scaled_so_that_they_couple_both_ways_alike() {
+        let stiffness = [dmatrix![1.0, 0.0; 0.0, 4.0], dmatrix![0.3, 10.0; 0.1, 0.2]];
+        let damping = [dmatrix![0.02, 0.0; 0.0, 0.03]];
+        let problem = DenseQuadratic::new(&DMatrix::identity(2, 2), &damping, &stiffness, &[1.0; 3]).unwrap();
+        let coefficients = [1.0, 1.0, 1e-3];
+        let FastBasis { eigenvalues, changes, norm, rounding } = FastBasis::new(&problem, &coefficients, &[2]).unwrap();
+        assert!(rounding > 0.0 && rounding < 1e-12 * norm, "{rounding}");
+        let count = eigenvalues.len();
+        let coupling = |i: usize, j: usize| if i == j { 0.0 } else { magnitude(changes[0][(i, j)]) };
+        for i in 0..count {
+            let sums = [(0..count).map(|j| coupling(i, j)).sum::<f64>(), (0..count).map(|j| coupling(j, i)).sum()];
+            assert!((sums[0] / sums[1] - 1.0).abs() < 0.01, "{i}: {sums:?}");
+        }
+        // The diagonal of a change is the derivative of each eigenvalue.
+        let step = 1e-7;
+        let moved = problem.at(&[1.0, 1.0, 1e-3 + step]).eigenvalues().unwrap();
+        for (i, eigenvalue) in eigenvalues.iter().enumerate() {
+            let expected = eigenvalue + changes[0][(i, i)] * step;
+            let nearest = moved.iter().map(|value| magnitude(value - expected)).fold(f64::INFINITY, f64::min);
+            assert!(nearest < 1e-11, "{i} {nearest}");
+        }
+    }
+}

@@ -141,6 +141,32 @@ fn the_eliminated_matrix_is_within_its_bounds_and_these_are_not_wide() {
     assert!(largest.iter().all(|part| *part > 0.5), "{largest:?}");
 }
 
+#[test]
+fn forms_are_the_norms_of_rows_of_sums() {
+    let mut numbers = Numbers(9);
+    for _ in 0..50 {
+        let mut number = || Complex::new(numbers.next(), numbers.next());
+        let matrices: Vec<ComplexMat> = (0..3).map(|_| Mat::from_fn(4, 6, |_, _| number())).collect();
+        let changes: Vec<f64> = (0..3).map(|_| numbers.next()).collect();
+        let norms = Forms::new(&matrices).norms(&products(&changes));
+        for (i, norm) in norms.into_iter().enumerate() {
+            let entry = |r: usize| matrices.iter().zip(&changes).map(|(matrix, change)| matrix[(i, r)] * change).sum();
+            let square: f64 = (0..6)
+                .map(|r| {
+                    let sum: Complex<f64> = entry(r);
+                    sum.norm_sqr()
+                })
+                .sum();
+            assert!((norm - square.sqrt()).abs() < 1e-9, "{norm} {square}");
+        }
+    }
+    // What cancels is not less than nothing.
+    let one = Mat::from_fn(1, 3, |_, r| Complex::new(0.1, 0.3 * r as f64));
+    let other = Mat::from_fn(1, 3, |_, r| -one[(0, r)]);
+    let norm = Forms::new(&[one, other]).norms(&products(&[0.7, 0.7]))[0];
+    assert!((0.0..1e-5).contains(&norm), "{norm}");
+}
+
 /// One mode is driven by another that is heavily damped, less so in the sample: with terms of second order it is stable, and it is not.
 #[test]
 fn what_is_beyond_second_order_is_left_open() {
