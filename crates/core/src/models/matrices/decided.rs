@@ -22,7 +22,8 @@ pub(super) struct Decided {
 enum Entry {
     /// It is being decided.
     InWork,
-    Decided(Option<RegionSet>),
+    /// What was found, and which bands asked for it.
+    Decided(Option<RegionSet>, RegionSet),
 }
 
 /// What is known of a sample.
@@ -39,23 +40,30 @@ pub(super) enum Asked<'a> {
 pub(super) struct Undecided<'a> {
     decided: &'a Decided,
     key: u128,
+    who: RegionSet,
     is_decided: bool,
 }
 
 impl Decided {
-    /// What is known of the sample with these coefficients.
-    pub(super) fn ask(&self, coefficients: &[f64]) -> Asked<'_> {
+    /// What is known of the sample with these coefficients, for some bands. Who asks again decides it again, so that samples which
+    /// are tried several times to measure what they cost take their time.
+    pub(super) fn ask(&self, coefficients: &[f64], bands: RegionSet) -> Asked<'_> {
         let key = key(coefficients);
         let mut known = self.lock();
-        match known.get(&key) {
+        // Those of one band alone ask for it, those of several for all.
+        let who = if bands.is_power_of_two() { bands } else { 1 << (RegionSet::BITS - 1) };
+        match known.get_mut(&key) {
             Some(Entry::InWork) => Asked::InWork,
-            Some(Entry::Decided(unstable)) => Asked::Decided(*unstable),
-            None => {
+            Some(Entry::Decided(unstable, asked)) if *asked & who == 0 => {
+                *asked |= who;
+                Asked::Decided(*unstable)
+            }
+            _ => {
                 if known.len() >= MOST {
                     known.retain(|_, entry| matches!(entry, Entry::InWork));
                 }
                 known.insert(key, Entry::InWork);
-                Asked::Unknown(Undecided { decided: self, key, is_decided: false })
+                Asked::Unknown(Undecided { decided: self, key, who, is_decided: false })
             }
         }
     }
@@ -69,7 +77,7 @@ impl Decided {
 impl Undecided<'_> {
     /// Keeps what was decided.
     pub(super) fn decided(mut self, unstable: Option<RegionSet>) -> Option<RegionSet> {
-        self.decided.lock().insert(self.key, Entry::Decided(unstable));
+        self.decided.lock().insert(self.key, Entry::Decided(unstable, self.who));
         self.is_decided = true;
         unstable
     }
@@ -100,7 +108,7 @@ mod tests {
     use super::*;
 
     fn unknown<'a>(decided: &'a Decided, coefficients: &[f64]) -> Undecided<'a> {
-        match decided.ask(coefficients) {
+        match decided.ask(coefficients, 1) {
             Asked::Unknown(undecided) => undecided,
             Asked::Decided(_) | Asked::InWork => panic!("it is known"),
         }
@@ -110,12 +118,20 @@ mod tests {
     fn a_sample_is_decided_once() {
         let decided = Decided::default();
         let one = unknown(&decided, &[1.0, 2.0]);
-        assert!(matches!(decided.ask(&[1.0, 2.0]), Asked::InWork));
+        assert!(matches!(decided.ask(&[1.0, 2.0], 2), Asked::InWork));
         let other = unknown(&decided, &[2.0, 1.0]);
         assert_eq!(one.decided(Some(5)), Some(5));
         assert_eq!(other.decided(None), None);
-        assert!(matches!(decided.ask(&[1.0, 2.0]), Asked::Decided(Some(5))));
-        assert!(matches!(decided.ask(&[2.0, 1.0]), Asked::Decided(None)));
+        assert!(matches!(decided.ask(&[1.0, 2.0], 2), Asked::Decided(Some(5))));
+        assert!(matches!(decided.ask(&[2.0, 1.0], 2), Asked::Decided(None)));
+        // All bands together are one that asks; nobody is told twice.
+        assert!(matches!(decided.ask(&[1.0, 2.0], 7), Asked::Decided(Some(5))));
+        for again in [1, 2, 7] {
+            assert!(matches!(decided.ask(&[1.0, 2.0], again), Asked::Unknown(_)), "{again}");
+            let _ = unknown(&decided, &[1.0, 2.0]).decided(Some(5));
+            assert!(matches!(decided.ask(&[1.0, 2.0], 2), Asked::Decided(Some(5))));
+            assert!(matches!(decided.ask(&[1.0, 2.0], 7), Asked::Decided(Some(5))));
+        }
         // Where work on it ends before it is decided, another does it.
         drop(unknown(&decided, &[3.0]));
         assert_eq!(unknown(&decided, &[3.0]).decided(Some(0)), Some(0));
@@ -129,9 +145,9 @@ mod tests {
             unknown(&decided, &[number as f64]).decided(Some(1));
             assert!(decided.lock().len() <= MOST);
         }
-        assert!(matches!(decided.ask(&[-1.0]), Asked::InWork));
+        assert!(matches!(decided.ask(&[-1.0], 2), Asked::InWork));
         in_work.decided(Some(2));
-        assert!(matches!(decided.ask(&[-1.0]), Asked::Decided(Some(2))));
-        assert!(matches!(decided.ask(&[MOST as f64]), Asked::Decided(Some(1))));
+        assert!(matches!(decided.ask(&[-1.0], 2), Asked::Decided(Some(2))));
+        assert!(matches!(decided.ask(&[MOST as f64], 2), Asked::Decided(Some(1))));
     }
 }

@@ -63,13 +63,19 @@ struct Together {
 }
 
 impl Together {
-    /// The bands in which a sample is unstable, from a centre or by all eigenvalues, where these converge; `None` if they are being
+    /// The bands in which a sample is unstable, for some `own` ones, from a centre or by all eigenvalues, where these converge; `None` if they are being
     /// found for another band and the sample is not `wanted_now`.
-    fn bands(&self, problem: &DenseQuadratic, coefficients: &[f64], wanted_now: bool) -> Option<Option<RegionSet>> {
+    fn bands(
+        &self,
+        problem: &DenseQuadratic,
+        coefficients: &[f64],
+        own: RegionSet,
+        wanted_now: bool,
+    ) -> Option<Option<RegionSet>> {
         let by_all = || Decider::of_each(problem, &self.regions).by_all(coefficients);
         let find = || self.centres.regions(problem, coefficients).or_else(by_all);
         let Some(decided) = &self.decided else { return Some(find()) };
-        match decided.ask(coefficients) {
+        match decided.ask(coefficients, own) {
             Asked::InWork if !wanted_now => None,
             Asked::InWork => Some(find()),
             Asked::Decided(regions) => Some(regions),
@@ -189,7 +195,7 @@ impl Samples {
                     (Some((regions, _)), _) => Some(regions != 0),
                     (None, None) => decider().by_all(coefficients).map(|regions| regions != 0),
                     (None, Some(together)) => {
-                        let regions = together.bands(problem, coefficients, wanted_now)?;
+                        let regions = together.bands(problem, coefficients, self.places, wanted_now)?;
                         regions.map(|regions| regions & self.places != 0)
                     }
                 }
