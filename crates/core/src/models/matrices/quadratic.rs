@@ -279,20 +279,21 @@ impl Quadratic {
     /// # Errors
     /// As [`eigenvalues`].
     pub fn eigenvalues(&self) -> Result<Vec<Eigenvalue>, EigenvalueError> {
-        let mut values = eigenvalues(&self.companion())?;
-        for place in self.known_zeros(&values) {
-            values[place] = Eigenvalue::from(0.0);
-        }
-        Ok(values)
+        Ok(self.with_zeros(eigenvalues(&self.companion())?))
     }
 
     /// The same in any order and with last bits that depend on the processor, faster; `None` where they cannot be computed.
     pub(super) fn fast_eigenvalues(&self) -> Option<Vec<Eigenvalue>> {
-        let (mut values, _) = fast_eigenvalues(&self.companion())?;
+        let (values, _) = fast_eigenvalues(&self.companion())?;
+        Some(self.with_zeros(values))
+    }
+
+    /// All eigenvalues without the rounding of those that are known to be zero.
+    fn with_zeros(&self, mut values: Vec<Eigenvalue>) -> Vec<Eigenvalue> {
         for place in self.known_zeros(&values) {
             values[place] = Eigenvalue::from(0.0);
         }
-        Some(values)
+        values
     }
 
     /// Which of all eigenvalues are those that are known to be zero.
