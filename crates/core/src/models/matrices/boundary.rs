@@ -215,7 +215,7 @@ impl Search<'_> {
 }
 
 /// `|z|` of numbers whose squares are in range, faster than [`magnitude`](super::region::magnitude).
-fn length(z: Eigenvalue) -> f64 {
+pub(super) fn length(z: Eigenvalue) -> f64 {
     z.norm_sqr().sqrt()
 }
 

@@ -135,7 +135,7 @@ mod tests {
     #[test]
     fn centres_are_added_where_they_are_wanted_and_which_there_are_changes_no_verdict() {
         let (problem, regions) = structure(2, 20);
-        let samples = samples(400, 0.06);
+        let samples = samples(400, 0.09);
         let new = || Centres::new(regions.to_vec(), vec![3, 4], vec![1.0; 5]);
         let (forwards, backwards) = (new(), new());
         let tell = |centres: &Centres, sample: &Vec<f64>| centres.regions(&problem, sample);

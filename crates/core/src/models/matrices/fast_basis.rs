@@ -5,11 +5,7 @@ use faer::{Mat, MatRef};
 use nalgebra::{Complex, DMatrix};
 
 use super::quadratic::DenseQuadratic;
-use super::region::magnitude;
 use crate::numerics::eigenvalues::Eigenvalue;
-
-/// The condition number of an eigenvalue up to which the rounding of changes is far below 1e-9 of the matrix.
-const WORST_CONDITION: f64 = 1e4;
 
 /// Coefficients change by this part where nothing says by how much.
 pub(super) const TYPICAL_CHANGE: f64 = 0.1;
@@ -37,37 +33,36 @@ pub(super) struct FastBasis {
 }
 
 impl FastBasis {
-    /// The basis at these coefficients for changes of some of them; `None` if there is none or vectors are nearly parallel.
+    /// The basis at these coefficients for changes of some of them; `None` if there is none, as where vectors are nearly parallel.
     pub(super) fn new(problem: &DenseQuadratic, coefficients: &[f64], changing: &[usize]) -> Option<Self> {
         let companion = problem.at(coefficients).companion();
         let norm = companion.norm();
         let (eigenvalues, right, left) = eigenvectors(&companion)?;
-        let change = |&k: &usize| &left * change_times(problem, k, &right);
+        let change = |&k: &usize| change(problem, k, &left, &right);
         let mut changes: Vec<ComplexMat> = changing.iter().map(change).collect();
         let typical: Vec<f64> = changing.iter().map(|&k| TYPICAL_CHANGE * coefficients[k].abs()).collect();
         let scales = scales(&changes, &typical);
         changes.iter_mut().for_each(|change| scale(change, &scales));
-        // What W A V and W V differ by from what they should be shows whether all of this is so.
+        // What A V and W V differ by from what they should be shows whether all of this is so.
         let count = eigenvalues.len();
-        let matrix = Mat::from_fn(count, count, |i, j| Complex::from(companion[(i, j)]));
-        let mut residuals = [&left * (&matrix * &right), &left * &right];
-        for i in 0..count {
-            residuals[0][(i, i)] -= eigenvalues[i];
-            residuals[1][(i, i)] -= Complex::from(1.0);
+        let matrix = MatRef::from_column_major_slice(companion.as_slice(), count, count);
+        let mut off = real_times(matrix, right.as_ref());
+        for (j, value) in eigenvalues.iter().enumerate() {
+            off.col_mut(j).iter_mut().zip(right.col(j).iter()).for_each(|(sum, entry)| *sum -= entry * value);
         }
-        residuals.iter_mut().for_each(|residual| scale(residual, &scales));
-        let [of_values, of_unit] = residuals.map(|residual| {
-            let all = (0..count).flat_map(|j| (0..count).map(move |i| (i, j)));
-            all.map(|place| magnitude(residual[place]))
-                .fold(0.0, |largest: f64, value| if value <= largest { largest } else { value })
-        });
+        let of_columns = (0..count).map(|j| norm_of(off.col(j).iter()) * scales[j]);
+        let of_rows = (0..count).map(|i| norm_of(left.row(i).iter()) / scales[i]);
+        let of_values = largest(of_rows) * largest(of_columns);
+        let mut unit = &left * &right;
+        unit.diagonal_mut().column_vector_mut().iter_mut().for_each(|entry| *entry -= Complex::from(1.0));
+        scale(&mut unit, &scales);
+        let of_unit = largest((0..count).map(|j| largest(unit.col(j).iter().map(|entry| entry.norm_sqr().sqrt()))));
         let rounding = SAFETY * (of_values + of_unit * norm) + f64::EPSILON * norm;
         (rounding <= LARGEST_ROUNDING * norm).then_some(Self { eigenvalues, changes, norm, rounding })
     }
 }
 
-/// All eigenvalues of a matrix with right vectors as columns and left ones as rows; `None` if there are none or they are nearly
-/// parallel.
+/// All eigenvalues of a matrix with right vectors as columns and left ones as rows.
 fn eigenvectors(matrix: &DMatrix<f64>) -> Option<(Vec<Eigenvalue>, ComplexMat, ComplexMat)> {
     if matrix.iter().any(|entry| !entry.is_finite()) {
         return None;
@@ -75,35 +70,39 @@ fn eigenvectors(matrix: &DMatrix<f64>) -> Option<(Vec<Eigenvalue>, ComplexMat, C
     let found = MatRef::from_column_major_slice(matrix.as_slice(), matrix.nrows(), matrix.ncols()).eigen().ok()?;
     let right = found.U().to_owned();
     let left = right.partial_piv_lu().inverse();
-    let count = right.ncols();
-    let square = |value: &Complex<f64>| value.norm_sqr();
-    let condition = |i: usize| {
-        let lengths = [
-            (0..count).map(|j| square(&right[(j, i)])).sum::<f64>(),
-            (0..count).map(|j| square(&left[(i, j)])).sum::<f64>(),
-        ];
-        (lengths[0] * lengths[1]).sqrt()
-    };
-    let is_good = |i: usize| condition(i) <= WORST_CONDITION;
-    let eigenvalues = found.S().column_vector().iter().copied().collect();
-    (0..count).all(is_good).then_some((eigenvalues, right, left))
+    Some((found.S().column_vector().iter().copied().collect(), right, left))
 }
 
-/// What a unit of a coefficient changes in the matrix of first order, times vectors.
-fn change_times(problem: &DenseQuadratic, coefficient: usize, vectors: &ComplexMat) -> ComplexMat {
+/// `W (dA / dc) V` for a coefficient c.
+fn change(problem: &DenseQuadratic, coefficient: usize, left: &ComplexMat, right: &ComplexMat) -> ComplexMat {
     let term = problem.term(coefficient);
     let size = term.nrows();
-    let held = vectors.nrows() - size;
+    let held = right.nrows() - size;
     // Displacements are the first coordinates of the state, but for those that dampers alone hold; rates are the last.
     let (first, moved) = match problem.is_damping(coefficient) {
-        true => (0, vectors.as_ref().subrows(held, size)),
-        false => (size - held, vectors.as_ref().subrows(0, held)),
+        true => (0, right.as_ref().subrows(held, size)),
+        false => (size - held, right.as_ref().subrows(0, held)),
     };
-    let term = Mat::from_fn(size, size - first, |i, j| Complex::from(-term[(i, first + j)]));
-    let lower = &term * moved;
-    let mut all = Mat::zeros(vectors.nrows(), vectors.ncols());
-    all.as_mut().subrows_mut(held, size).copy_from(&lower);
-    all
+    let term = Mat::from_fn(size, size - first, |i, j| -term[(i, first + j)]);
+    left.as_ref().subcols(held, size) * real_times(term.as_ref(), moved)
+}
+
+/// The product of a real and a complex matrix.
+fn real_times(real: MatRef<'_, f64>, complex: MatRef<'_, Complex<f64>>) -> ComplexMat {
+    let part = |of: &dyn Fn(Complex<f64>) -> f64| {
+        real * Mat::from_fn(complex.nrows(), complex.ncols(), |i, j| of(complex[(i, j)]))
+    };
+    let [re, im] = [part(&|entry| entry.re), part(&|entry| entry.im)];
+    Mat::from_fn(re.nrows(), re.ncols(), |i, j| Complex::new(re[(i, j)], im[(i, j)]))
+}
+
+fn norm_of<'a>(entries: impl Iterator<Item = &'a Complex<f64>>) -> f64 {
+    entries.map(Complex::norm_sqr).sum::<f64>().sqrt()
+}
+
+/// The largest of some numbers, or NaN if one is.
+fn largest(numbers: impl Iterator<Item = f64>) -> f64 {
+    numbers.fold(0.0, |largest: f64, number| if number <= largest { largest } else { number })
 }
 
 /// Scales of modes with which typical changes couple each to the others as much as these to it.
@@ -116,7 +115,7 @@ fn scales(changes: &[ComplexMat], typical: &[f64]) -> Vec<f64> {
                 .iter_mut()
                 .enumerate()
                 .filter(|(i, _)| *i != j)
-                .for_each(|(i, sum)| *sum += size * magnitude(change[(i, j)]));
+                .for_each(|(i, sum)| *sum += size * change[(i, j)].norm_sqr().sqrt());
         }
     }
     let across = sums.transpose();
@@ -144,6 +143,8 @@ fn scale(matrix: &mut ComplexMat, scales: &[f64]) {
 #[cfg(test)]
 mod tests {
     use nalgebra::dmatrix;
+
+    use crate::models::matrices::region::magnitude;
 
     use super::*;
 

@@ -62,6 +62,12 @@ mod boundary;
 
 mod coupled;
 
+mod isolated;
+
+mod forms;
+
+mod elimination;
+
 mod centre;
 
 mod centres;

@@ -1,0 +1,73 @@
+use super::*;
+use crate::models::matrices::region::{Region, magnitude};
+use crate::models::matrices::trial::Numbers;
+
+/// The exact matrix at places of a region, the other modes eliminated, is within the bounds, and near to them in some case for each
+/// of the two terms.
+#[test]
+fn the_eliminated_matrix_is_within_its_bounds_and_these_are_not_wide() {
+    let region = Region { lowest: 1.0, highest: 2.0, damping_ratio: 0.0 };
+    let (kept, all) = (3, 8);
+    let mut numbers = Numbers(3);
+    let mut number = move || Complex::new(numbers.next(), numbers.next());
+    let mut largest = [0.0_f64; 3];
+    for case in 0..300 {
+        let eigenvalues: Vec<Eigenvalue> = (0..all)
+            .map(|i| {
+                let value = number();
+                // Kept ones are near the band; of the others some are near its ends, and some are strongly damped or conjugate.
+                if i < kept {
+                    Complex::new(-0.2 + 0.2 * value.re, 1.5 + 0.6 * value.im)
+                } else {
+                    Complex::new(-0.8 + 0.1 * value.re, [2.8, 0.3, -1.5, 2.9, 1.5][i - kept] + 0.1 * value.im)
+                }
+            })
+            .collect();
+        let changes: Vec<ComplexMat> = (0..2).map(|_| Mat::from_fn(all, all, |_, _| number())).collect();
+        // In the first cases nothing couples the others among themselves, so that the second bound is alone.
+        let is_of_others = |i: usize, j: usize| i >= kept && j >= kept;
+        let keep = |i: usize, j: usize| f64::from(u8::from(case >= 100 || !is_of_others(i, j)));
+        let changes: Vec<ComplexMat> =
+            changes.iter().map(|change| Mat::from_fn(all, all, |i, j| change[(i, j)] * keep(i, j))).collect();
+        let distances: Vec<f64> = eigenvalues.iter().map(|value| region.distance(*value)).collect();
+        let places = eigenvalues[..kept].iter().map(|value| Complex::new(0.0, value.im.clamp(1.0, 2.0))).collect();
+        let elimination = Elimination::new(&eigenvalues, &distances, places, &changes);
+        let part = number() * 0.12;
+        let Some(bounded) = elimination.bounded(&[part.re, part.im], |_| 0.0, 0.0) else { continue };
+        let change = |i: usize, j: usize| changes[0][(i, j)] * part.re + changes[1][(i, j)] * part.im;
+        let others = all - kept;
+        let unit = |i: usize, j: usize| Complex::from(f64::from(u8::from(i == j)));
+        let weighted = Mat::from_fn(others, others, |r, q| {
+            let root = |r: usize| region.distance(eigenvalues[kept + r]).sqrt();
+            change(kept + r, kept + q) / (root(r) * root(q))
+        });
+        let norm = weighted.singular_values().unwrap()[0];
+        let bound = elimination.norm(&[part.re, part.im]);
+        assert!(norm <= bound * (1.0 + 1e-9), "{norm} {bound}");
+        largest[2] = largest[2].max(norm / bound);
+        let at_places = bounded.places.iter().copied();
+        for z in at_places.chain((0..6).map(|k| Complex::new(0.1 * f64::from(k % 3), 1.0 + 0.2 * f64::from(k)))) {
+            let block = Mat::from_fn(others, others, |r, q| {
+                unit(r, q) * (z - eigenvalues[kept + q]) - change(kept + r, kept + q)
+            });
+            let inverse = faer::linalg::solvers::DenseSolveCore::inverse(&block.partial_piv_lu());
+            let right = Mat::from_fn(others, kept, |r, j| change(kept + r, j));
+            let left = Mat::from_fn(kept, others, |i, r| change(i, kept + r));
+            let eliminated = &left * (&inverse * &right);
+            for i in 0..kept {
+                for j in 0..kept {
+                    let exact = unit(i, j) * eigenvalues[i] + change(i, j) + eliminated[(i, j)];
+                    let off = magnitude(exact - bounded.entries[i * kept + j]);
+                    let away = (magnitude(z - bounded.places[i]) * bounded.slope[i]).min(2.0 * bounded.most[i]);
+                    let bound = (bounded.constant[i] + away) * bounded.columns[j];
+                    assert!(off <= bound * (1.0 + 1e-9) + 1e-14, "{case} {i} {j}: {off} {bound}");
+                    if bound > 1e-9 {
+                        let place = if case < 100 { 0 } else { 1 };
+                        largest[place] = largest[place].max(off / bound);
+                    }
+                }
+            }
+        }
+    }
+    assert!(largest.iter().all(|part| *part > 0.5), "{largest:?}");
+}
