@@ -33,7 +33,7 @@ const LEAST_WEIGHT: f64 = 1e-6;
 /// Pieces that are looked at at most.
 const MOST_PIECES: usize = 1000;
 
-/// A matrix whose entries are known within bounds: `F_ij` with an error of at most `(c_i + min(|z - s_i| n_i, 2 m_i)) b_j`.
+/// A matrix whose entries are known within bounds: `F_ij` with an error of at most `(c_i + min(|z - s_i| n_i, m_i)) b_j`.
 #[derive(Debug, Clone)]
 pub(super) struct Bounded {
     /// F by rows.
@@ -185,7 +185,7 @@ impl Search<'_> {
                 return false;
             }
             self.distances[i] = distance;
-            self.rows[i] = constant[i] + (piece.furthest(places[i]) * slope[i]).min(2.0 * most[i]);
+            self.rows[i] = constant[i] + (piece.furthest(places[i]) * slope[i]).min(most[i]);
         }
         let count = margins.len();
         for _ in 0..STEPS {

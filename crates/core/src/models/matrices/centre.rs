@@ -36,10 +36,9 @@ pub(super) struct Centre {
     /// The coefficients that change.
     changing: Vec<usize>,
     elimination: Elimination,
-    /// What rounding makes of an entry.
+    /// What rounding makes of an entry, and the norm of the matrix.
     rounding: f64,
-    /// What is left for that of all eigenvalues, beside a part of each.
-    margin: f64,
+    norm: f64,
     /// The sum of the squares of all couplings over distances, as a form in the changes.
     couplings: Vec<f64>,
 }
@@ -65,27 +64,29 @@ impl Centre {
 
     fn in_basis(basis: FastBasis, coefficients: &[f64], changing: &[usize], regions: &[Region]) -> Option<Self> {
         let FastBasis { eigenvalues, changes, norm, rounding } = basis;
-        let distance =
-            |value: &Eigenvalue| regions.iter().map(|region| region.distance(*value)).fold(f64::INFINITY, f64::min);
+        let distance = |value: &Eigenvalue| {
+            let all = regions.iter().map(|region| region.distance(*value));
+            all.fold(f64::INFINITY, f64::min) - margin(*value, norm)
+        };
         let distances: Vec<f64> = eigenvalues.iter().map(distance).collect();
         let largest = eigenvalues.iter().map(|value| magnitude(*value)).fold(0.0, f64::max);
         let highest = regions.iter().map(|region| region.highest.min(largest)).fold(0.0, f64::max);
         let is_kept = |i: &usize| eigenvalues[*i].im > 0.0 && distances[*i] <= KEPT * highest;
         let (mut order, others): (Vec<usize>, Vec<usize>) = (0..eigenvalues.len()).partition(is_kept);
-        if others.iter().any(|&r| distances[r] <= 0.0) {
+        if others.iter().any(|&r| distances[r].is_nan() || distances[r] <= 0.0) {
             return None;
         }
         let places: Vec<Eigenvalue> = order.iter().map(|&i| nearest(regions, eigenvalues[i])).collect();
         order.extend(others);
         let eigenvalues: Vec<Eigenvalue> = order.iter().map(|&i| eigenvalues[i]).collect();
-        let distances: Vec<f64> = order.iter().map(|&i| distances[i]).collect();
+        let distances: Vec<f64> = order.iter().map(|&i| distances[i].max(0.0)).collect();
         let ordered = |change: &ComplexMat| Mat::from_fn(order.len(), order.len(), |i, j| change[(order[i], order[j])]);
         let changes: Vec<ComplexMat> = changes.iter().map(ordered).collect();
         Some(Self {
             couplings: coupling_forms(&changes, &eigenvalues, &distances),
             elimination: Elimination::new(&eigenvalues, &distances, places, &changes),
             rounding,
-            margin: CLEAR_OF_NORM * norm,
+            norm,
             changing: changing.to_vec(),
             coefficients: coefficients.to_vec(),
         })
@@ -126,13 +127,19 @@ impl Centre {
 
     /// The regions in which a sample has an unstable pair; `None` where that is not proved.
     pub(super) fn regions(&self, coefficients: &[f64], regions: &[Region]) -> Option<RegionSet> {
-        let margin = |value: Eigenvalue| CLEAR * magnitude(value) + self.margin;
-        let bounded = self.elimination.bounded(&self.changes(coefficients)?, margin, self.rounding)?;
+        let margin = |value: Eigenvalue| margin(value, self.norm);
+        let rounding = |largest: f64| self.rounding * (1.0 + largest / self.norm);
+        let bounded = self.elimination.bounded(&self.changes(coefficients)?, margin, rounding)?;
         bounded.regions(regions).or_else(|| {
             let grouped = grouped(&bounded);
             isolated(grouped.as_ref().unwrap_or(&bounded), regions).or(grouped)?.regions(regions)
         })
     }
+}
+
+/// What is left for rounding of an eigenvalue.
+fn margin(value: Eigenvalue, norm: f64) -> f64 {
+    CLEAR * magnitude(value) + CLEAR_OF_NORM * norm
 }
 
 /// The place of a region that is nearest to the frequency of an eigenvalue, on the line of its threshold.

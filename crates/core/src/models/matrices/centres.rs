@@ -69,7 +69,7 @@ impl Centres {
     }
 
     /// Adds a centre at a sample, in place of one for other cells if there is no room.
-    fn add(&self, problem: &DenseQuadratic, coefficients: &[f64]) {
+    fn add(&self, problem: &DenseQuadratic, coefficients: &[f64]) -> Option<Arc<Centre>> {
         let is_of_other_cells = |centre: &Arc<Centre>| centre.distance(coefficients).is_none();
         let room = || {
             let mut known = self.known.write().unwrap_or_else(PoisonError::into_inner);
@@ -80,11 +80,10 @@ impl Centres {
             }
             Some(())
         };
-        if room().is_some()
-            && let Some(centre) = Centre::new(problem, coefficients, &self.changing, &self.regions)
-        {
-            self.known.write().unwrap_or_else(PoisonError::into_inner).push(Arc::new(centre));
-        }
+        room()?;
+        let centre = Arc::new(Centre::new(problem, coefficients, &self.changing, &self.regions)?);
+        self.known.write().unwrap_or_else(PoisonError::into_inner).push(centre.clone());
+        Some(centre)
     }
 
     /// The regions in which a sample has an unstable pair, if centres near it tell.
@@ -94,22 +93,25 @@ impl Centres {
         if open >= TRIAL && (told as f64) < WORTHWHILE * open as f64 {
             return None;
         }
-        let regions = self.near(coefficients).iter().find_map(|centre| centre.regions(coefficients, &self.regions));
+        let tell = |centre: &Arc<Centre>| centre.regions(coefficients, &self.regions);
+        let regions = self.near(coefficients).iter().find_map(tell);
         if regions.is_some() {
             self.told.fetch_add(1, Ordering::Relaxed);
-        } else if (self.open.fetch_add(1, Ordering::Relaxed) + 1).is_multiple_of(COST) {
-            self.add(problem, coefficients);
+            return regions;
         }
-        regions
+        // One that is made here tells of this sample too.
+        let is_due = (self.open.fetch_add(1, Ordering::Relaxed) + 1).is_multiple_of(COST);
+        is_due.then(|| self.add(problem, coefficients)).flatten().as_ref().and_then(tell)
     }
 
     /// The centres that are asked for a sample.
     fn near(&self, coefficients: &[f64]) -> Vec<Arc<Centre>> {
         let known = self.known.read().unwrap_or_else(PoisonError::into_inner);
-        let distance = |centre: &Arc<Centre>| Some((centre.distance(coefficients)?, centre.clone()));
-        let mut near: Vec<(f64, Arc<Centre>)> = known.iter().filter_map(distance).collect();
+        let distance = |centre: &Arc<Centre>| centre.distance(coefficients);
+        let distances = known.iter().enumerate().filter_map(|(place, centre)| Some((distance(centre)?, place)));
+        let mut near: Vec<(f64, usize)> = distances.collect();
         near.sort_by(|a, b| a.0.total_cmp(&b.0));
-        near.into_iter().take(ASKED).map(|(_, centre)| centre).collect()
+        near.into_iter().take(ASKED).map(|(_, place)| known[place].clone()).collect()
     }
 }
 

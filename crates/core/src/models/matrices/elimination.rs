@@ -34,6 +34,8 @@
 //!
 //! with `b_j = |E_rj / sqrt(g_r)|`. All these norms are forms in the changes; rho is bounded by the fourth root of `tr((G^H G)^2)`.
 
+use std::collections::BTreeMap;
+
 use faer::{Mat, MatRef};
 use nalgebra::Complex;
 
@@ -78,8 +80,9 @@ impl Elimination {
         let over_gaps = |rows: MatRef<'_, Complex<f64>>| {
             Mat::from_fn(size, others.len(), |i, r| rows[(i, r)] * inverse_gaps[(i, r)])
         };
-        let forms = |all: &[ComplexMat], factors: &[f64]| {
-            let scaled = |rows: &ComplexMat| Mat::from_fn(size, others.len(), |i, r| rows[(i, r)] * factors[r]);
+        let forms = |all: &[MatRef<'_, Complex<f64>>], factors: &[f64]| {
+            let scaled =
+                |rows: &MatRef<'_, Complex<f64>>| Mat::from_fn(size, others.len(), |i, r| rows[(i, r)] * factors[r]);
             Forms::new(&all.iter().map(scaled).collect::<Vec<_>>())
         };
         let count = changes.len();
@@ -91,18 +94,17 @@ impl Elimination {
             if k == l { product(k, l) } else { product(k, l) + product(l, k) }
         };
         let second_of = |pair| over_gaps(sum_of_both(pair, &|k, l| &first[k] * of_others(l)).as_ref());
-        let second: Vec<ComplexMat> = pairs(count).map(second_of).collect();
+        let second: BTreeMap<(usize, usize), ComplexMat> = pairs(count).map(|pair| (pair, second_of(pair))).collect();
         let kept = (0..count).map(|k| changes[k].as_ref().get(..size, ..size).to_owned());
         let of_pairs = pairs(count).map(|pair| sum_of_both(pair, &|k, l| &first[k] * columns(l)));
         // Each of the different factors may be the last.
-        let place_of = |pair: (usize, usize)| pairs(count).position(|other| other == pair).unwrap_or(0);
         let of_triple = |[k, l, m]: [usize; 3]| {
-            let mut sum = &second[place_of((k, l))] * columns(m);
+            let mut sum = &second[&(k, l)] * columns(m);
             if l != m {
-                sum += &second[place_of((k, m))] * columns(l);
+                sum += &second[&(k, m)] * columns(l);
             }
             if k != l {
-                sum += &second[place_of((l, m))] * columns(k);
+                sum += &second[&(l, m)] * columns(k);
             }
             sum
         };
@@ -112,12 +114,14 @@ impl Elimination {
             let entry = |r: usize, q: usize| block[(r, q)] * (inverse_roots[r] * inverse_roots[q]);
             Mat::from_fn(others.len(), others.len(), entry)
         };
+        let first_rows: Vec<_> = first.iter().map(Mat::as_ref).collect();
+        let second_rows: Vec<_> = second.values().map(Mat::as_ref).collect();
         Self {
             terms: all.map(|term| by_rows(&term)).collect(),
-            rows: forms(&(0..count).map(|k| rows(k).to_owned()).collect::<Vec<_>>(), &inverse_roots),
-            columns: forms(&(0..count).map(|k| columns(k).transpose().to_owned()).collect::<Vec<_>>(), &inverse_roots),
-            first: [&roots, &inverse_roots].map(|factors| forms(&first, factors)),
-            second: [&roots, &inverse_roots].map(|factors| forms(&second, factors)),
+            rows: forms(&(0..count).map(rows).collect::<Vec<_>>(), &inverse_roots),
+            columns: forms(&(0..count).map(|k| columns(k).transpose()).collect::<Vec<_>>(), &inverse_roots),
+            first: [&roots, &inverse_roots].map(|factors| forms(&first_rows, factors)),
+            second: [&roots, &inverse_roots].map(|factors| forms(&second_rows, factors)),
             norm: NormForm::new(&(0..count).map(weighted).collect::<Vec<_>>()),
             kept: eigenvalues[..size].to_vec(),
             places,
@@ -140,12 +144,12 @@ impl Elimination {
     }
 
     /// The matrix that remains after these changes, where rho is below 1. Distances are made smaller by `margin` of each entry of its
-    /// diagonal, and `rounding` is that of each entry.
+    /// diagonal, and `rounding` is that of each entry, by the largest one that changes add.
     pub(super) fn bounded(
         &self,
         changes: &[f64],
         margin: impl Fn(Eigenvalue) -> f64,
-        rounding: f64,
+        rounding: impl Fn(f64) -> f64,
     ) -> Option<Bounded> {
         let of_two = products(changes);
         let norm = self.norm.norm(&of_two);
@@ -161,6 +165,7 @@ impl Elimination {
             im.iter_mut().zip(of_im).for_each(|(sum, entry)| *sum += factor * entry);
         }
         let mut entries: Vec<Complex<f64>> = re.into_iter().zip(im).map(|(re, im)| Complex::new(re, im)).collect();
+        let largest = entries.iter().map(Complex::norm_sqr).fold(0.0, f64::max).sqrt();
         let diagonal = entries.iter_mut().step_by(size + 1).zip(&self.kept);
         diagonal.for_each(|(entry, eigenvalue)| *entry += eigenvalue);
         let diagonal = entries.iter().step_by(size + 1);
@@ -171,11 +176,11 @@ impl Elimination {
         let rows = self.rows.norms(&of_two);
         Some(Bounded {
             margins: diagonal.map(|value| margin(*value)).collect(),
-            rounding,
+            rounding: rounding(largest),
             entries,
             constant: second_times.iter().map(|second| second * norm * rest).collect(),
             slope: first_over.iter().zip(&second_over).map(|(first, second)| (first + second) * rest).collect(),
-            most: (0..size).map(|i| 0.5 * (rows[i] * rest + first_times[i] + second_times[i])).collect(),
+            most: (0..size).map(|i| rows[i] * rest + first_times[i] + second_times[i]).collect(),
             places: self.places.clone(),
             columns: self.columns.norms(&of_two),
         })

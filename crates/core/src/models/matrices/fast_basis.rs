@@ -28,7 +28,7 @@ pub(super) struct FastBasis {
     pub(super) changes: Vec<ComplexMat>,
     /// `|A|`.
     pub(super) norm: f64,
-    /// What rounding makes of an entry of `diag(lambda)` and of changes that are not larger than A.
+    /// What rounding makes of an entry of `diag(lambda)` and of changes whose entries are not larger than `|A|`.
     pub(super) rounding: f64,
 }
 
@@ -38,8 +38,7 @@ impl FastBasis {
         let companion = problem.at(coefficients).companion();
         let norm = companion.norm();
         let (eigenvalues, right, left) = eigenvectors(&companion)?;
-        let change = |&k: &usize| change(problem, k, &left, &right);
-        let mut changes: Vec<ComplexMat> = changing.iter().map(change).collect();
+        let mut changes: Vec<ComplexMat> = changing.iter().map(|&k| change(problem, k, &left, &right)).collect();
         let typical: Vec<f64> = changing.iter().map(|&k| TYPICAL_CHANGE * coefficients[k].abs()).collect();
         let scales = scales(&changes, &typical);
         changes.iter_mut().for_each(|change| scale(change, &scales));
@@ -102,7 +101,7 @@ fn norm_of<'a>(entries: impl Iterator<Item = &'a Complex<f64>>) -> f64 {
 
 /// The largest of some numbers, or NaN if one is.
 fn largest(numbers: impl Iterator<Item = f64>) -> f64 {
-    numbers.fold(0.0, |largest: f64, number| if number <= largest { largest } else { number })
+    numbers.fold(0.0, |largest: f64, number| if largest.is_nan() || number <= largest { largest } else { number })
 }
 
 /// Scales of modes with which typical changes couple each to the others as much as these to it.
@@ -147,6 +146,14 @@ mod tests {
     use crate::models::matrices::region::magnitude;
 
     use super::*;
+
+    #[test]
+    fn what_is_not_a_number_is_the_largest_wherever_it_is() {
+        for numbers in [[f64::NAN, 1.0, 2.0], [1.0, f64::NAN, 2.0], [1.0, 2.0, f64::NAN]] {
+            assert!(largest(numbers.into_iter()).is_nan());
+        }
+        assert_eq!(largest([1.0, 3.0, 2.0].into_iter()), 3.0);
+    }
 
     /// Two modes of which a change couples one to the other a hundred times as strongly as back.
     #[test]

@@ -32,7 +32,7 @@ impl Forms {
         for (row, product) in self.0.iter().zip(products) {
             sums.iter_mut().zip(row).for_each(|(sum, entry)| *sum += with_rounding(product * entry));
         }
-        sums.into_iter().map(|sum: f64| sum.max(0.0).sqrt()).collect()
+        sums.into_iter().map(|sum| not_negative(sum).sqrt()).collect()
     }
 }
 
@@ -64,7 +64,7 @@ impl NormForm {
         };
         let columns = self.0.as_slice().chunks(products.len().max(1)).zip(products);
         let form: f64 = columns.map(|(column, product)| of_column(column, *product)).sum();
-        form.max(0.0).sqrt().sqrt()
+        not_negative(form).sqrt().sqrt()
     }
 }
 
@@ -81,6 +81,11 @@ pub(super) fn products(factors: &[f64]) -> Vec<f64> {
 /// `Re(a conj(b))`.
 pub(super) fn inner(a: Complex<f64>, b: Complex<f64>) -> f64 {
     a.re * b.re + a.im * b.im
+}
+
+/// A sum that cannot be negative but for rounding; NaN stays.
+fn not_negative(sum: f64) -> f64 {
+    if sum < 0.0 { 0.0 } else { sum }
 }
 
 /// A term of a sum that cannot be negative, where it may cancel others: larger by more than the rounding of both.
@@ -115,6 +120,8 @@ mod tests {
                 assert!((norm - square.sqrt()).abs() < 1e-9, "{norm} {square}");
             }
         }
+        // What is not a number is no norm.
+        assert!(Forms::new(&[Mat::from_fn(1, 1, |_, _| Complex::from(1.0))]).norms(&[f64::NAN])[0].is_nan());
         // What cancels is not less than nothing.
         let one = Mat::from_fn(1, 3, |_, r| Complex::new(0.1, 0.3 * r as f64));
         let other = Mat::from_fn(1, 3, |_, r| -one[(0, r)]);

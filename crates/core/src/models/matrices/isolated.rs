@@ -33,7 +33,7 @@ pub(super) fn isolated(bounded: &Bounded, regions: &[Region]) -> Option<Bounded>
     let count = bounded.margins.len();
     let entry = |i: usize, j: usize| bounded.entries[i * count + j];
     let shift = |i: usize| -> f64 {
-        let of_mode = |j: usize| length(entry(i, j) * entry(j, i)) / length(entry(i, i) - entry(j, j));
+        let of_mode = |j: usize| over(entry(i, j) * entry(j, i), entry(i, i) - entry(j, j)).norm_sqr().sqrt();
         (0..count).filter(|j| *j != i).map(of_mode).sum()
     };
     let part = |i: usize| (from_boundary(regions, entry(i, i)) / shift(i), i);
@@ -92,6 +92,11 @@ impl Bounded {
     }
 }
 
+/// A quotient, zero where there is nothing to divide.
+fn over(part: Complex<f64>, of: Complex<f64>) -> Complex<f64> {
+    if part == Complex::from(0.0) { part } else { part / of }
+}
+
 /// The other entries of the right eigenvector of a mode, where weak couplings give it.
 fn vector(entry: impl Fn(usize, usize) -> Complex<f64>, count: usize, mode: usize) -> Option<Vec<Complex<f64>>> {
     let mut vector = vec![Complex::from(0.0); count];
@@ -99,7 +104,7 @@ fn vector(entry: impl Fn(usize, usize) -> Complex<f64>, count: usize, mode: usiz
     for _ in 0..STEPS {
         let of_row = |k: usize| {
             let others = (0..count).filter(|j| *j != k).map(|j| entry(k, j) * vector[j]).sum::<Complex<f64>>();
-            (others + entry(k, mode)) / (eigenvalue - entry(k, k))
+            over(others + entry(k, mode), eigenvalue - entry(k, k))
         };
         let next = (0..count).map(|k| if k == mode { Complex::from(0.0) } else { of_row(k) }).collect();
         vector = next;
@@ -220,6 +225,11 @@ mod tests {
     fn modes_far_from_boundaries_and_those_without_a_vector_stay() {
         let weak = two([entry(0.0, 1e-4), entry(0.0, 1e-4)]);
         assert!(isolated(&weak, &REGIONS).is_none());
+        // Two modes at one place that nothing couples.
+        let mut same = two([Complex::from(0.0); 2]);
+        same.entries[3] = same.entries[0];
+        same.decouple(0, Side::Right);
+        assert!(same.rounding > 1e-15 && same.rounding < 1e-13 && isolated(&same, &REGIONS).is_none());
         let mut strong = two([entry(1e-3, 0.0), entry(30.0, 0.0)]);
         let before = strong.entries.clone();
         strong.decouple(0, Side::Right);

@@ -74,7 +74,7 @@ pub(in super::super) fn tried(
             constant: constants.clone(),
             slope: slopes.clone(),
             // Less than what the error is only where no eigenvalue can be.
-            most: vec![0.3; size],
+            most: vec![0.6; size],
             places: places.clone(),
             columns: columns.clone(),
         };
@@ -176,13 +176,13 @@ fn the_limit_of_an_error_and_margins_count() {
     };
     let region = [Region { lowest: 1.0, highest: 2.0, damping_ratio: 0.0 }];
     let (inside, place) = (Eigenvalue::new(0.5, 1.5), Eigenvalue::new(0.0, 1.5));
-    assert_eq!(one(inside, place, 10.0, 0.2, 1e-9, 0.0).regions(&region), Some(1));
-    assert_eq!(one(inside, place, 10.0, 0.3, 1e-9, 0.0).regions(&region), None);
+    assert_eq!(one(inside, place, 10.0, 0.4, 1e-9, 0.0).regions(&region), Some(1));
+    assert_eq!(one(inside, place, 10.0, 0.6, 1e-9, 0.0).regions(&region), None);
     assert_eq!(one(inside, place, 0.0, 0.0, 1e-9, 0.4).regions(&region), Some(1));
     assert_eq!(one(inside, place, 0.0, 0.0, 0.2, 0.4).regions(&region), None);
     // An eigenvalue at 178 i is within the bounds.
     let unlimited = [Region { highest: f64::INFINITY, damping_ratio: 0.99, ..region[0] }];
-    assert_eq!(one(Eigenvalue::new(0.0, 40.0), 0.0.into(), 0.8, 70.0, 1e-9, 0.0).regions(&unlimited), None);
+    assert_eq!(one(Eigenvalue::new(0.0, 40.0), 0.0.into(), 0.8, 140.0, 1e-9, 0.0).regions(&unlimited), None);
 }
 
 /// Rounding of entries counts with the weights of all modes.

@@ -71,9 +71,9 @@ fn what_a_centre_tells_is_what_all_eigenvalues_tell() {
     assert!(sum.samples > 10_000 && sum.told > 4000 && sum.unstable > 800, "{sum:?}");
 }
 
-/// One mode is driven by another that is heavily damped, less so in the sample: with terms of second order it is stable, and it is not.
+/// One mode is driven by another that is heavily damped, less so in the sample: with terms of third order it is stable, and it is not.
 #[test]
-fn what_is_beyond_second_order_is_left_open() {
+fn what_is_beyond_third_order_is_left_open() {
     let coupling = 0.011_f64.sqrt();
     let change = [[0.0, coupling], [coupling, 0.5]];
     let basis = FastBasis {

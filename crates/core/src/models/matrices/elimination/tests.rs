@@ -23,7 +23,7 @@ fn the_eliminated_matrix_is_within_its_bounds_and_these_are_not_wide() {
                 }
             })
             .collect();
-        let changes: Vec<ComplexMat> = (0..2).map(|_| Mat::from_fn(all, all, |_, _| number())).collect();
+        let changes: Vec<ComplexMat> = (0..4).map(|_| Mat::from_fn(all, all, |_, _| number())).collect();
         // In the first cases nothing couples the others among themselves, so that the second bound is alone.
         let is_of_others = |i: usize, j: usize| i >= kept && j >= kept;
         let keep = |i: usize, j: usize| f64::from(u8::from(case >= 100 || !is_of_others(i, j)));
@@ -32,9 +32,12 @@ fn the_eliminated_matrix_is_within_its_bounds_and_these_are_not_wide() {
         let distances: Vec<f64> = eigenvalues.iter().map(|value| region.distance(*value)).collect();
         let places = eigenvalues[..kept].iter().map(|value| Complex::new(0.0, value.im.clamp(1.0, 2.0))).collect();
         let elimination = Elimination::new(&eigenvalues, &distances, places, &changes);
-        let part = number() * 0.12;
-        let Some(bounded) = elimination.bounded(&[part.re, part.im], |_| 0.0, 0.0) else { continue };
-        let change = |i: usize, j: usize| changes[0][(i, j)] * part.re + changes[1][(i, j)] * part.im;
+        let parts = [number() * 0.09, number() * 0.09].map(|part| [part.re, part.im]);
+        let parts = parts.as_flattened();
+        let Some(bounded) = elimination.bounded(parts, |_| 0.0, |_| 0.0) else { continue };
+        let change = |i: usize, j: usize| -> Complex<f64> {
+            changes.iter().zip(parts).map(|(change, part)| change[(i, j)] * part).sum()
+        };
         let others = all - kept;
         let unit = |i: usize, j: usize| Complex::from(f64::from(u8::from(i == j)));
         let weighted = Mat::from_fn(others, others, |r, q| {
@@ -42,7 +45,7 @@ fn the_eliminated_matrix_is_within_its_bounds_and_these_are_not_wide() {
             change(kept + r, kept + q) / (root(r) * root(q))
         });
         let norm = weighted.singular_values().unwrap()[0];
-        let bound = elimination.norm(&[part.re, part.im]);
+        let bound = elimination.norm(parts);
         assert!(norm <= bound * (1.0 + 1e-9), "{norm} {bound}");
         largest[2] = largest[2].max(norm / bound);
         let at_places = bounded.places.iter().copied();
@@ -58,7 +61,7 @@ fn the_eliminated_matrix_is_within_its_bounds_and_these_are_not_wide() {
                 for j in 0..kept {
                     let exact = unit(i, j) * eigenvalues[i] + change(i, j) + eliminated[(i, j)];
                     let off = magnitude(exact - bounded.entries[i * kept + j]);
-                    let away = (magnitude(z - bounded.places[i]) * bounded.slope[i]).min(2.0 * bounded.most[i]);
+                    let away = (magnitude(z - bounded.places[i]) * bounded.slope[i]).min(bounded.most[i]);
                     let bound = (bounded.constant[i] + away) * bounded.columns[j];
                     assert!(off <= bound * (1.0 + 1e-9) + 1e-14, "{case} {i} {j}: {off} {bound}");
                     if bound > 1e-9 {
@@ -70,4 +73,28 @@ fn the_eliminated_matrix_is_within_its_bounds_and_these_are_not_wide() {
         }
     }
     assert!(largest.iter().all(|part| *part > 0.5), "{largest:?}");
+}
+
+/// What is not a number, or so large that sums cancel, is no matrix, whether modes are kept or not.
+#[test]
+fn changes_that_are_no_numbers_or_too_large_are_left_open() {
+    let eigenvalues = [Complex::new(-0.1, 1.0), Complex::new(-0.5, 4.0)];
+    let changes = [1.0, -1.0].map(|sign| Mat::from_fn(2, 2, |_, _| Complex::from(sign)));
+    for kept in [0, 1] {
+        let places = eigenvalues[..kept].to_vec();
+        let elimination = Elimination::new(&eigenvalues, &[0.1, 2.0], places, &changes);
+        let is_open = |changes: [f64; 2]| elimination.bounded(&changes, |_| 0.0, |_| 0.0).is_none();
+        assert!(!is_open([0.01, 0.02]));
+        assert!(is_open([f64::NAN, 0.0]) && is_open([f64::INFINITY, 0.0]) && is_open([1e80, 1e80]), "{kept}");
+    }
+}
+
+/// Rounding grows with what changes add, before the diagonal is added, and margins are those of the diagonal.
+#[test]
+fn rounding_and_margins_are_of_what_is_there() {
+    let eigenvalues = [Complex::new(-0.1, 1.0), Complex::new(-0.5, 4.0)];
+    let changes = [Mat::from_fn(2, 2, |i, j| Complex::new(0.0, if i + j == 0 { 3.0 } else { 0.0 }))];
+    let elimination = Elimination::new(&eigenvalues, &[0.1, 2.0], vec![eigenvalues[0]], &changes);
+    let bounded = elimination.bounded(&[0.5], |value| 0.01 * value.im, |largest| 1e-9 * largest).unwrap();
+    assert!((bounded.rounding - 1.5e-9).abs() < 1e-20 && (bounded.margins[0] - 0.025).abs() < 1e-12);
 }
