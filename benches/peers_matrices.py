@@ -2,12 +2,14 @@
 
     python benches/peers_matrices.py path/to/stickslip
 
-Three models of the form M q'' + C(p) q' + K(p) q = 0, each with a share of unstable samples near one half:
+Four models of the form M q'' + C(p) q' + K(p) q = 0, the first three with a share of unstable samples near one half:
 
 - two masses coupled by friction (Hoffmann and others 2002), friction random;
 - 10 coordinates with a random structure and a random nonsymmetric coupling, friction, damping and stiffness random;
 - the brake of TU Berlin (jobs/tu-brake) projected on 100 vectors, pairs from 1 to 3 kHz, friction, stiffness, lining damping
-  and speed random.
+  and speed random;
+- the brake of jobs/own-brake.toml, reduced by stickslip to 120 vectors, pairs in three bands from 1 to 12 kHz, friction, stiffness
+  of lining and contact and lining damping random: four answers of stickslip, in each band and in any, for one of the peers in any.
 
 What is asked is whether a pair in the band has a damping ratio below 0. The peers find all eigenvalues of the state matrix:
 
@@ -45,7 +47,8 @@ import scipy.linalg  # noqa: E402
 import scipy.sparse  # noqa: E402
 import scipy.sparse.linalg  # noqa: E402
 
-BRAKE = Path(__file__).resolve().parent.parent / "jobs" / "tu-brake" / "tu-brake.mat"
+JOBS = Path(__file__).resolve().parent.parent / "jobs"
+BRAKE = JOBS / "tu-brake" / "tu-brake.mat"
 ROUNDS = 3
 VECTORS = 100
 LARGEST_Z = 5.0
@@ -77,6 +80,8 @@ class Model:
     samples: tuple[int, int, int]
     # Samples in one call of NumPy.
     batch: int
+    # In hertz: the band in parts that are counted each, after all of them.
+    bands: tuple[tuple[float, float], ...] = ()
 
     def draw(self, count: int, seed: int) -> Parameters:
         random = np.random.default_rng(seed)
@@ -158,7 +163,9 @@ class Model:
             "relative_std = { " + ", ".join(f"{key} = {value!r}" for key, value in self.relative_std.items()) + " }\n"
         )
         text += '[criterion]\nkind = "complex-eigenvalue"\n'
-        if self.band[1] < math.inf:
+        if self.bands:
+            text += f"bands = {json.dumps(self.bands)}\n"
+        elif self.band[1] < math.inf:
             text += f"frequency = [{self.band[0]!r}, {self.band[1]!r}]\n"
         text += f"damping_ratio = 0.0\n[sampling]\nsamples = {self.samples[0]}\nseed = {seed}\n"
         path = folder / "job.toml"
@@ -262,6 +269,36 @@ def reduced_brake() -> Model:
     return model
 
 
+def own_brake(binary: Path) -> Model:
+    """The brake of a shipped job, reduced as its users do."""
+    with tempfile.TemporaryDirectory() as directory:
+        out = Path(directory) / "small.toml"
+        subprocess.run([binary, "reduce", JOBS / "own-brake.toml", "--vectors", "120", "--out", out], check=True)
+        data = {key: np.asarray(value.todense() if scipy.sparse.issparse(value) else value)
+                for key, value in scipy.io.loadmat(out.with_suffix(".mat")).items() if key[0] != "_"}
+    return Model(
+        f"own brake, {len(data['M'])} coordinates",
+        data["M"],
+        [
+            Term(data["C1"], "20", lambda p: np.full(len(p["friction"]), 20.0)),
+            Term(data["C2"], "1e-6", lambda p: np.full(len(p["friction"]), 1e-6)),
+            Term(data["C3"], "lining_damping * lining_modulus", lambda p: p["lining_damping"] * p["lining_modulus"]),
+        ],
+        [
+            Term(data["K1"], "", constant),
+            Term(data["K2"], "lining_modulus", lambda p: p["lining_modulus"]),
+            Term(data["K3"], "contact_stiffness", lambda p: p["contact_stiffness"]),
+            Term(data["K4"], "friction * contact_stiffness", lambda p: p["friction"] * p["contact_stiffness"]),
+        ],
+        {"friction": 0.45, "lining_modulus": 8e9, "contact_stiffness": 5e12, "lining_damping": 1e-6},
+        {"friction": 0.1, "lining_modulus": 0.1, "contact_stiffness": 0.1, "lining_damping": 0.2},
+        (1000.0, 12_000.0),
+        (10_000, 300, 30),
+        1,
+        bands=((1000.0, 8000.0), (8000.0, 10_000.0), (10_000.0, 12_000.0)),
+    )
+
+
 def stickslip(binary: Path, model: Model, seed: int) -> tuple[float, int] | None:
     """Samples a second, as run.json has them, and unstable samples; None where this version does not know the model."""
     with tempfile.TemporaryDirectory() as directory:
@@ -275,8 +312,9 @@ def stickslip(binary: Path, model: Model, seed: int) -> tuple[float, int] | None
         if done.returncode != 0:
             sys.exit(f"stickslip failed with exit code {done.returncode}:\n{done.stderr}")
         session = json.loads((out / "run.json").read_text())["sessions"][-1]
-        unstable = pyarrow.parquet.read_table(out / "surface.parquet")["n_unstable"].to_numpy().sum()
-        return session["samples_computed"] / session["seconds"], int(unstable)
+        # All bands together are the first cell.
+        unstable = pyarrow.parquet.read_table(out / "surface.parquet")["n_unstable"].to_numpy()[0]
+        return model.samples[0] / session["seconds"], int(unstable)
 
 
 def figure(name: str, value: float, unit: str) -> None:
@@ -326,7 +364,8 @@ def compare(binary: Path, model: Model) -> bool:
 
 def main() -> None:
     binary = Path(sys.argv[1]).resolve()
-    agree = [compare(binary, make()) for make in (two_masses, ten_coordinates, reduced_brake)]
+    models = (two_masses, ten_coordinates, reduced_brake, lambda: own_brake(binary))
+    agree = [compare(binary, make()) for make in models]
     if not all(agree):
         sys.exit(1)
 

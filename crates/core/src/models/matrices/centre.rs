@@ -9,7 +9,7 @@ use faer::Mat;
 
 use super::boundary::on_threshold;
 use super::coupled::grouped;
-use super::decide::{CLEAR, CLEAR_OF_NORM, RegionSet};
+use super::decide::{CLEAR_OF_NORM, RegionSet};
 use super::elimination::Elimination;
 use super::fast_basis::{ComplexMat, FastBasis, TYPICAL_CHANGE};
 use super::forms::{inner, pairs, products};
@@ -26,6 +26,9 @@ const MOST_CHANGES: usize = 8;
 
 /// Products of two changes times the cube of the coordinates up to which a centre takes well below a second.
 const MOST_WORK: usize = 1 << 27;
+
+/// What is left for the rounding of an eigenvalue and of its damping ratio, in parts of it, beside that of the matrix.
+const CLEAR: f64 = 1e-8;
 
 /// Regions with thresholds of larger damping ratios are left to all eigenvalues.
 const LARGEST_RATIO: f64 = 0.9;
@@ -90,11 +93,6 @@ impl Centre {
             changing: changing.to_vec(),
             coefficients: coefficients.to_vec(),
         })
-    }
-
-    /// How many modes it keeps.
-    pub(super) fn kept(&self) -> usize {
-        self.elimination.kept()
     }
 
     /// How many numbers it has, nearly.

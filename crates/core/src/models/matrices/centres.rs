@@ -17,10 +17,6 @@ const COST: usize = 8;
 /// Centres serve where typical changes of all coefficients together have at most this norm.
 const LARGEST_NORM: f64 = 3.0;
 
-/// Kept modes from which on samples are asked of centres before a series of perturbation theory, which follows the modes of a few
-/// bands better, but needs seconds for so many.
-const MANY: usize = 64;
-
 /// After so many samples without an answer, centres are asked no more if they told less than this part of them.
 const TRIAL: usize = 64;
 const WORTHWHILE: f64 = 0.125;
@@ -37,8 +33,8 @@ pub(super) struct Centres {
     regions: Vec<Region>,
     changing: Vec<usize>,
     expected: Vec<f64>,
-    /// How many modes the one at the expected values of the first configuration keeps; none if it does not serve.
-    kept: OnceLock<Option<usize>>,
+    /// Whether the one at the expected values of the first configuration serves.
+    serve: OnceLock<bool>,
     known: RwLock<Vec<Arc<Centre>>>,
     /// How many samples were decided and how many not.
     told: AtomicUsize,
@@ -49,23 +45,17 @@ impl Centres {
     /// For the changes of some coefficients about the expected ones of the first configuration.
     pub(super) fn new(regions: Vec<Region>, changing: Vec<usize>, expected: Vec<f64>) -> Self {
         let [told, open] = Default::default();
-        Self { regions, changing, expected, kept: OnceLock::new(), known: RwLock::default(), told, open }
+        Self { regions, changing, expected, serve: OnceLock::new(), known: RwLock::default(), told, open }
     }
 
-    /// How many modes are kept, if centres serve for the model.
-    fn kept(&self, problem: &DenseQuadratic) -> Option<usize> {
-        *self.kept.get_or_init(|| {
+    /// Whether they serve for the model.
+    pub(super) fn serve(&self, problem: &DenseQuadratic) -> bool {
+        *self.serve.get_or_init(|| {
             let first = Centre::new(problem, &self.expected, &self.changing, &self.regions);
-            let first = Arc::new(first.filter(|centre| centre.typical_norm() <= LARGEST_NORM)?);
-            let kept = first.kept();
-            self.known.write().unwrap_or_else(PoisonError::into_inner).push(first);
-            Some(kept)
+            let Some(first) = first.filter(|centre| centre.typical_norm() <= LARGEST_NORM) else { return false };
+            self.known.write().unwrap_or_else(PoisonError::into_inner).push(Arc::new(first));
+            true
         })
-    }
-
-    /// Whether they are asked before anything else.
-    pub(super) fn come_first(&self, problem: &DenseQuadratic) -> bool {
-        self.kept(problem).is_some_and(|kept| kept >= MANY)
     }
 
     /// Adds a centre at a sample, in place of one for other cells if there is no room.
@@ -88,7 +78,9 @@ impl Centres {
 
     /// The regions in which a sample has an unstable pair, if centres near it tell.
     pub(super) fn regions(&self, problem: &DenseQuadratic, coefficients: &[f64]) -> Option<RegionSet> {
-        self.kept(problem)?;
+        if !self.serve(problem) {
+            return None;
+        }
         let [told, open] = [&self.told, &self.open].map(|count| count.load(Ordering::Relaxed));
         if open >= TRIAL && (told as f64) < WORTHWHILE * open as f64 {
             return None;
@@ -155,7 +147,6 @@ mod tests {
             open(&first[..200]),
             open(&first)
         );
-        assert!(!forwards.come_first(&problem));
     }
 
     #[test]
@@ -183,12 +174,5 @@ mod tests {
         centres.add(&problem, &other);
         assert_eq!(number_of_centres(&centres), MOST_CENTRES);
         assert_eq!(centres.near(&other).len(), 1);
-    }
-
-    #[test]
-    fn centres_come_first_for_many_modes_near_the_bands() {
-        let (problem, regions) = structure(2, 90);
-        let centres = Centres::new(regions.to_vec(), vec![4], vec![1.0, 1.0, 1.0, 1.0, 0.01]);
-        assert!(centres.come_first(&problem), "{:?}", centres.kept(&problem));
     }
 }

@@ -129,6 +129,7 @@ impl Elimination {
     }
 
     /// How many modes are kept.
+    #[cfg(test)]
     pub(super) fn kept(&self) -> usize {
         self.kept.len()
     }

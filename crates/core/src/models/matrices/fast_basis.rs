@@ -28,7 +28,8 @@ pub(super) struct FastBasis {
     pub(super) changes: Vec<ComplexMat>,
     /// `|A|`.
     pub(super) norm: f64,
-    /// What rounding makes of an entry of `diag(lambda)` and of changes whose entries are not larger than `|A|`.
+    /// What rounding makes of an entry of `diag(lambda)` and of changes whose entries are not larger than `|A|`, here and where all
+    /// eigenvalues are found.
     pub(super) rounding: f64,
 }
 
@@ -50,13 +51,16 @@ impl FastBasis {
             off.col_mut(j).iter_mut().zip(right.col(j).iter()).for_each(|(sum, entry)| *sum -= entry * value);
         }
         let of_columns = (0..count).map(|j| norm_of(off.col(j).iter()) * scales[j]);
-        let of_rows = (0..count).map(|i| norm_of(left.row(i).iter()) / scales[i]);
-        let of_values = largest(of_rows) * largest(of_columns);
+        let of_rows = largest((0..count).map(|i| norm_of(left.row(i).iter()) / scales[i]));
+        let of_vectors = largest((0..count).map(|j| norm_of(right.col(j).iter()) * scales[j]));
+        // Those who find all eigenvalues do so for a matrix that differs from A by rounding.
+        let backward = count as f64 * f64::EPSILON * norm * of_rows * of_vectors;
+        let of_values = of_rows * largest(of_columns);
         let mut unit = &left * &right;
         unit.diagonal_mut().column_vector_mut().iter_mut().for_each(|entry| *entry -= Complex::from(1.0));
         scale(&mut unit, &scales);
         let of_unit = largest((0..count).map(|j| largest(unit.col(j).iter().map(|entry| entry.norm_sqr().sqrt()))));
-        let rounding = SAFETY * (of_values + of_unit * norm) + f64::EPSILON * norm;
+        let rounding = SAFETY * (of_values + of_unit * norm + backward);
         (rounding <= LARGEST_ROUNDING * norm).then_some(Self { eigenvalues, changes, norm, rounding })
     }
 }

@@ -188,9 +188,9 @@ impl Samples {
         let unstable = match &self.shared.problem {
             Problem::Dense(problem) => {
                 let together = self.together.as_ref();
-                let is_first = together.is_some_and(|together| together.centres.come_first(problem));
+                let is_proved = together.is_some_and(|together| together.centres.serve(problem));
                 let decider = || Decider::of_any(problem, &self.shared.scaled, self.series());
-                let told = if is_first { None } else { decider().by_series(coefficients) };
+                let told = if is_proved { None } else { decider().by_series(coefficients) };
                 match (told, together) {
                     (Some((regions, _)), _) => Some(regions != 0),
                     (None, None) => decider().by_all(coefficients).map(|regions| regions != 0),

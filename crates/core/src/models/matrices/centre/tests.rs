@@ -107,7 +107,7 @@ fn a_mode_that_is_not_kept_and_enters_a_band_is_seen() {
     let problem = DenseQuadratic::new(&DMatrix::identity(2, 2), &damping, &stiffness, &[1.0; 3]).unwrap();
     let region = [Region { lowest: 0.9, highest: 1.1, damping_ratio: 0.0 }.in_unit(problem.unit())];
     let centre = Centre::new(&problem, &[1.0; 3], &[2], &region).unwrap();
-    assert_eq!(centre.kept(), 1);
+    assert_eq!(centre.elimination.kept(), 1);
     assert_eq!(centre.regions(&[1.0, 1.0, 0.8], &region), Some(0));
     assert_ne!(centre.regions(&[1.0, 1.0, 0.25], &region), Some(0));
     // Other coefficients than those it was made for are none of its own.
