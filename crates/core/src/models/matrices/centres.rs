@@ -108,6 +108,9 @@ impl Centres {
 }
 
 #[cfg(test)]
+mod families;
+
+#[cfg(test)]
 mod tests {
     use super::super::centre::tests::structure;
     use super::super::decide::Decider;
