@@ -360,3 +360,6 @@ impl CriticalValues for Samples {
         Some(all)
     }
 }
+
+#[cfg(test)]
+mod tests;
