@@ -88,6 +88,37 @@ fn what_is_beyond_third_order_is_left_open() {
     assert_eq!(centre.regions(&[1.0], &regions), None);
 }
 
+/// A mode that is not kept, so near to a band that rounding may bring it there; farther away it does no harm.
+#[test]
+fn a_mode_that_rounding_may_bring_into_a_band_is_no_distance_away() {
+    let basis = || FastBasis {
+        eigenvalues: vec![Complex::new(-0.02, 1.0), Complex::new(-1e-12, 0.0)],
+        changes: vec![Mat::from_fn(2, 2, |i, j| Complex::from(if i == 0 && j == 0 { 1.0 } else { 0.0 }))],
+        norm: 1.0,
+        rounding: 1e-15,
+    };
+    for (lowest, is_open) in [(5e-10, true), (2e-9, false)] {
+        let regions = [Region { lowest, highest: 2.0, damping_ratio: 0.0 }];
+        assert_eq!(Centre::in_basis(basis(), &[0.0], &[0], &regions).is_none(), is_open, "{lowest}");
+    }
+}
+
+/// One mode moves far up, which leaves less of a decimal for the other one.
+#[test]
+fn rounding_of_large_changes_counts_for_all_modes() {
+    let regions = [Region { lowest: 0.5, highest: 2.0, damping_ratio: 0.0 }];
+    let told = |change: f64| {
+        let basis = FastBasis {
+            eigenvalues: vec![Complex::new(-0.01, 1.0), Complex::new(-0.01, 1.5)],
+            changes: vec![Mat::from_fn(2, 2, |i, j| Complex::new(0.0, if i + j == 0 { 1.0 } else { 0.0 }))],
+            norm: 1.0,
+            rounding: 1e-3,
+        };
+        Centre::in_basis(basis, &[0.0], &[0], &regions).unwrap().regions(&[change], &regions)
+    };
+    assert_eq!((told(0.2), told(20.0)), (Some(0), None));
+}
+
 /// Problems with strong damping of single directions, so that modes are real, and coefficients of other sizes.
 #[test]
 fn small_problems_of_all_kinds_agree_too() {
