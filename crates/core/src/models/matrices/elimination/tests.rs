@@ -98,3 +98,22 @@ fn rounding_and_margins_are_of_what_is_there() {
     let bounded = elimination.bounded(&[0.5], |value| 0.01 * value.im, |largest| 1e-9 * largest).unwrap();
     assert!((bounded.rounding - 1.5e-9).abs() < 1e-20 && (bounded.margins[0] - 0.025).abs() < 1e-12);
 }
+
+/// One mode that is eliminated, and a place far from s and as near to it as its distance: there the second bound is nearly what is
+/// left out, and far above it the last one is.
+#[test]
+fn bounds_are_near_to_what_is_left_out_far_from_the_place_of_a_row() {
+    let at = |frequency: f64| Complex::new(0.0, frequency);
+    let (eigenvalues, place) = ([at(100.0), at(0.5)], at(100.0));
+    let change = [[at(0.0), at(0.1)], [at(0.2), at(0.4)]];
+    let changes = [Mat::from_fn(2, 2, |i, j| change[i][j])];
+    let elimination = Elimination::new(&eigenvalues, &[0.0, 0.5], vec![place], &changes);
+    let bounded = elimination.bounded(&[1.0], |_| 0.0, |_| 0.0).unwrap();
+    let near = at(1.0);
+    let exact = eigenvalues[0] + change[0][1] * change[1][0] / (near - eigenvalues[1] - change[1][1]);
+    let off = magnitude(exact - bounded.entries[0]);
+    let away = magnitude(near - place) * bounded.slope[0];
+    for bound in [bounded.constant[0] + away, bounded.most[0]].map(|row| row * bounded.columns[0]) {
+        assert!(off <= bound && off > 0.95 * bound, "{off} {bound}");
+    }
+}
