@@ -113,7 +113,7 @@ fn groups(bounded: &Bounded) -> Vec<Vec<usize>> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::boundary::tests::{Tally, tried};
+    use super::super::boundary::tests::{Tally, tried, two};
     use super::super::decide::RegionSet;
     use super::super::region::Region;
     use super::*;
@@ -137,16 +137,8 @@ mod tests {
     #[test]
     fn errors_of_a_group_grow_from_one_place() {
         let entry = |re: f64, im: f64| Complex::new(re, im);
-        let bounded = Bounded {
-            entries: vec![entry(-0.1, 1.5), entry(0.0, 0.02), entry(0.0, 0.02), entry(-0.1, 1.5)],
-            margins: vec![1e-9, 2e-9],
-            rounding: 1e-15,
-            constant: vec![0.0, 0.5],
-            slope: vec![0.25, 1.0],
-            most: vec![2.0, 4.0],
-            places: vec![entry(0.0, 1.5), entry(0.0, 1.6)],
-            columns: vec![1.0, 3.0],
-        };
+        let entries = [entry(-0.1, 1.5), entry(0.0, 0.02), entry(0.0, 0.02), entry(-0.1, 1.5)];
+        let bounded = two(entries, [0.0, 0.5]);
         let together = grouped(&bounded).unwrap();
         let root = 0.5_f64.sqrt();
         for mode in 0..2 {

@@ -33,7 +33,7 @@ pub(super) fn isolated(bounded: &Bounded, regions: &[Region]) -> Option<Bounded>
     let count = bounded.margins.len();
     let entry = |i: usize, j: usize| bounded.entries[i * count + j];
     let shift = |i: usize| -> f64 {
-        let of_mode = |j: usize| over(entry(i, j) * entry(j, i), entry(i, i) - entry(j, j)).norm_sqr().sqrt();
+        let of_mode = |j: usize| length(over(entry(i, j) * entry(j, i), entry(i, i) - entry(j, j)));
         (0..count).filter(|j| *j != i).map(of_mode).sum()
     };
     let part = |i: usize| (from_boundary(regions, entry(i, i)) / shift(i), i);
@@ -115,25 +115,16 @@ fn vector(entry: impl Fn(usize, usize) -> Complex<f64>, count: usize, mode: usiz
 
 #[cfg(test)]
 mod tests {
-    use super::super::boundary::tests::{Tally, tried};
+    use super::super::boundary::tests::{Tally, tried, two};
     use super::*;
 
     fn entry(re: f64, im: f64) -> Complex<f64> {
         Complex::new(re, im)
     }
 
-    /// A matrix of two modes, with errors that grow from different places.
-    fn two(couplings: [Complex<f64>; 2]) -> Bounded {
-        Bounded {
-            entries: vec![entry(-0.001, 1.5), couplings[0], couplings[1], entry(-0.2, 1.5)],
-            margins: vec![1e-9, 2e-9],
-            rounding: 1e-15,
-            constant: vec![0.1, 0.5],
-            slope: vec![0.25, 1.0],
-            most: vec![2.0, 4.0],
-            places: vec![entry(0.0, 1.5), entry(0.0, 1.6)],
-            columns: vec![1.0, 3.0],
-        }
+    /// Two modes, the first near the boundary.
+    fn coupled(couplings: [Complex<f64>; 2]) -> Bounded {
+        two([entry(-0.001, 1.5), couplings[0], couplings[1], entry(-0.2, 1.5)], [0.1, 0.5])
     }
 
     const REGIONS: [Region; 1] = [Region { lowest: 1.0, highest: 2.0, damping_ratio: 0.0 }];
@@ -153,7 +144,7 @@ mod tests {
     #[test]
     fn errors_spread_as_the_vectors_do() {
         let couplings = [entry(0.0, 0.03), entry(0.02, 0.0)];
-        let before = two(couplings);
+        let before = coupled(couplings);
         // The vector of the first mode by the roots of the characteristic equation.
         let (sum, product) = (
             before.entries[0] + before.entries[3],
@@ -223,14 +214,14 @@ mod tests {
 
     #[test]
     fn modes_far_from_boundaries_and_those_without_a_vector_stay() {
-        let weak = two([entry(0.0, 1e-4), entry(0.0, 1e-4)]);
+        let weak = coupled([entry(0.0, 1e-4), entry(0.0, 1e-4)]);
         assert!(isolated(&weak, &REGIONS).is_none());
         // Two modes at one place that nothing couples.
-        let mut same = two([Complex::from(0.0); 2]);
+        let mut same = coupled([Complex::from(0.0); 2]);
         same.entries[3] = same.entries[0];
         same.decouple(0, Side::Right);
         assert!(same.rounding > 1e-15 && same.rounding < 1e-13 && isolated(&same, &REGIONS).is_none());
-        let mut strong = two([entry(1e-3, 0.0), entry(30.0, 0.0)]);
+        let mut strong = coupled([entry(1e-3, 0.0), entry(30.0, 0.0)]);
         let before = strong.entries.clone();
         strong.decouple(0, Side::Right);
         assert_eq!(strong.entries, before);

@@ -27,6 +27,20 @@ fn containing(regions: &[Region], values: &[Eigenvalue]) -> RegionSet {
     regions.iter().enumerate().map(of_region).fold(0, |all, region| all | region)
 }
 
+/// Two modes with these entries, whose errors grow from different places.
+pub(in super::super) fn two(entries: [Complex<f64>; 4], constant: [f64; 2]) -> Bounded {
+    Bounded {
+        entries: entries.to_vec(),
+        margins: vec![1e-9, 2e-9],
+        rounding: 1e-15,
+        constant: constant.to_vec(),
+        slope: vec![0.25, 1.0],
+        most: vec![2.0, 4.0],
+        places: vec![Eigenvalue::new(0.0, 1.5), Eigenvalue::new(0.0, 1.6)],
+        columns: vec![1.0, 3.0],
+    }
+}
+
 /// How often regions were told, of those how often wrong, and how often they would be wrong without what bounds allow.
 #[derive(Debug, Default, PartialEq)]
 pub(in super::super) struct Tally {
