@@ -126,7 +126,7 @@ impl Bounded {
             if entries.any(|(entry, radius)| region.sure(*entry, *radius).is_none()) || !search.is_free(region) {
                 return None;
             }
-            if search.diagonal.iter().any(|entry| entry.im > 0.0 && region.contains(*entry)) {
+            if search.diagonal.iter().any(|entry| entry.im > region.lowest.min(0.0) && region.contains(*entry)) {
                 found |= region_at(place);
             }
         }
@@ -137,7 +137,7 @@ impl Bounded {
 /// The place on the line of a region's threshold with this frequency.
 pub(super) fn on_threshold(region: &Region, frequency: f64) -> Eigenvalue {
     let sine = region.damping_ratio - RESOLUTION;
-    Eigenvalue::new(-frequency * sine / ((1.0 - sine) * (1.0 + sine)).sqrt(), frequency)
+    Eigenvalue::new(-frequency.abs() * sine / ((1.0 - sine) * (1.0 + sine)).sqrt(), frequency)
 }
 
 impl Search<'_> {
@@ -154,7 +154,10 @@ impl Search<'_> {
         let ends = [region.lowest.min(scale), highest].map(|frequency| on_threshold(region, frequency));
         let edges = if is_bounded { &ends[..] } else { &ends[..1] };
         let right = |from: Eigenvalue| from + Eigenvalue::from(scale);
-        self.is_free_between(ends[0], ends[1])
+        // The line turns at zero.
+        let turn = if region.lowest < 0.0 { Eigenvalue::from(0.0) } else { ends[0] };
+        (turn == ends[0] || self.is_free_between(ends[0], turn))
+            && self.is_free_between(turn, ends[1])
             && edges
                 .iter()
                 .all(|&from| self.is_free_between(from, right(from)) && self.is_clear(Piece::Ray(right(from))))

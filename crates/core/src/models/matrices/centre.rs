@@ -12,7 +12,7 @@ use super::coupled::grouped;
 use super::decide::{CLEAR_OF_NORM, RegionSet};
 use super::elimination::Elimination;
 use super::fast_basis::{ComplexMat, FastBasis, TYPICAL_CHANGE};
-use super::forms::{inner, pairs, products};
+use super::forms::{inner, pairs};
 use super::isolated::isolated;
 use super::quadratic::DenseQuadratic;
 use super::region::{Region, magnitude};
@@ -21,11 +21,8 @@ use crate::numerics::eigenvalues::Eigenvalue;
 /// Modes within this part of the highest frequency of a region from it are kept.
 const KEPT: f64 = 0.3;
 
-/// Coefficients that change at most: beyond, a centre takes the time of many samples, which grows with their fourth power.
-const MOST_CHANGES: usize = 8;
-
-/// Products of two changes times the cube of the coordinates up to which a centre takes well below a second.
-const MOST_WORK: usize = 1 << 27;
+/// Numbers that all changes may have, 64 MiB: with more, a centre takes seconds.
+const MOST_NUMBERS: usize = 1 << 23;
 
 /// What is left for the rounding of an eigenvalue and of its damping ratio, in parts of it, beside that of the matrix.
 const CLEAR: f64 = 1e-8;
@@ -36,6 +33,8 @@ const LARGEST_RATIO: f64 = 0.9;
 /// A place in the space of coefficients.
 pub(super) struct Centre {
     coefficients: Vec<f64>,
+    /// Those that are looked at here: where a real eigenvalue is in one, it begins below 0, so that this is not at its edge.
+    regions: Vec<Region>,
     /// The coefficients that change.
     changing: Vec<usize>,
     elimination: Elimination,
@@ -47,26 +46,25 @@ pub(super) struct Centre {
 }
 
 impl Centre {
-    /// A centre at these coefficients for the changes of some of them and regions above 0; `None` where there is no basis that is
-    /// good enough.
+    /// A centre at these coefficients for the changes of some of them; `None` where there is no basis that is good enough.
     pub(super) fn new(
         problem: &DenseQuadratic,
         coefficients: &[f64],
         changing: &[usize],
         regions: &[Region],
     ) -> Option<Self> {
-        let suits = |region: &Region| {
-            region.lowest > 0.0 && region.lowest <= region.highest && region.damping_ratio.abs() < LARGEST_RATIO
-        };
-        let work = pairs(changing.len()).count() * problem.size() * problem.size() * problem.size();
-        if changing.is_empty() || changing.len() > MOST_CHANGES || work > MOST_WORK || !regions.iter().all(suits) {
+        let suits = |region: &Region| region.lowest <= region.highest && region.damping_ratio.abs() < LARGEST_RATIO;
+        let numbers = 8 * changing.len() * problem.size() * problem.size();
+        if changing.is_empty() || numbers > MOST_NUMBERS || !regions.iter().all(suits) {
             return None;
         }
         Self::in_basis(FastBasis::new(problem, coefficients, changing)?, coefficients, changing, regions)
     }
 
     fn in_basis(basis: FastBasis, coefficients: &[f64], changing: &[usize], regions: &[Region]) -> Option<Self> {
-        let FastBasis { eigenvalues, changes, norm, rounding } = basis;
+        let FastBasis { eigenvalues, zeros, changes, norm, rounding } = basis;
+        let regions = from_below(regions, &eigenvalues);
+        let lowest = regions.iter().map(|region| region.lowest).fold(0.0, f64::min);
         let distance = |value: &Eigenvalue| {
             let all = regions.iter().map(|region| region.distance(*value));
             all.fold(f64::INFINITY, f64::min) - margin(*value, norm)
@@ -74,12 +72,14 @@ impl Centre {
         let distances: Vec<f64> = eigenvalues.iter().map(distance).collect();
         let largest = eigenvalues.iter().map(|value| magnitude(*value)).fold(0.0, f64::max);
         let highest = regions.iter().map(|region| region.highest.min(largest)).fold(0.0, f64::max);
-        let is_kept = |i: &usize| eigenvalues[*i].im > 0.0 && distances[*i] <= KEPT * highest;
-        let (mut order, others): (Vec<usize>, Vec<usize>) = (0..eigenvalues.len()).partition(is_kept);
+        let is_kept = |i: &usize| eigenvalues[*i].im > lowest && distances[*i] <= KEPT * highest;
+        // Zeros that no coefficient moves couple with others one way at most, and leave them where they are.
+        let all = (0..eigenvalues.len()).filter(|i| !zeros.contains(i));
+        let (mut order, others): (Vec<usize>, Vec<usize>) = all.partition(is_kept);
         if others.iter().any(|&r| distances[r].is_nan() || distances[r] <= 0.0) {
             return None;
         }
-        let places: Vec<Eigenvalue> = order.iter().map(|&i| nearest(regions, eigenvalues[i])).collect();
+        let places: Vec<Eigenvalue> = order.iter().map(|&i| nearest(&regions, eigenvalues[i])).collect();
         order.extend(others);
         let eigenvalues: Vec<Eigenvalue> = order.iter().map(|&i| eigenvalues[i]).collect();
         let distances: Vec<f64> = order.iter().map(|&i| distances[i].max(0.0)).collect();
@@ -90,9 +90,15 @@ impl Centre {
             elimination: Elimination::new(&eigenvalues, &distances, places, &changes),
             rounding,
             norm,
+            regions,
             changing: changing.to_vec(),
             coefficients: coefficients.to_vec(),
         })
+    }
+
+    /// How many modes are kept.
+    pub(super) fn kept(&self) -> usize {
+        self.elimination.kept()
     }
 
     /// How many numbers it has, nearly.
@@ -109,8 +115,14 @@ impl Centre {
 
     /// How far a sample is, measured by what the changes couple; `None` if others change too.
     pub(super) fn distance(&self, coefficients: &[f64]) -> Option<f64> {
-        let products = products(&self.changes(coefficients)?);
-        Some(products.iter().zip(&self.couplings).map(|(product, entry)| product * entry).sum())
+        let change = |k: usize| coefficients[k] - self.coefficients[k];
+        let is_fixed = |k: &usize| !self.changing.contains(k);
+        if (0..coefficients.len()).filter(is_fixed).any(|k| change(k) != 0.0) {
+            return None;
+        }
+        let of_pair =
+            |((k, l), entry): ((usize, usize), &f64)| change(self.changing[k]) * change(self.changing[l]) * entry;
+        Some(pairs(self.changing.len()).zip(&self.couplings).map(of_pair).sum())
     }
 
     /// What typical changes of all coefficients make of rho at most.
@@ -124,15 +136,30 @@ impl Centre {
     }
 
     /// The regions in which a sample has an unstable pair; `None` where that is not proved.
-    pub(super) fn regions(&self, coefficients: &[f64], regions: &[Region]) -> Option<RegionSet> {
+    pub(super) fn regions(&self, coefficients: &[f64]) -> Option<RegionSet> {
         let margin = |value: Eigenvalue| margin(value, self.norm);
         let rounding = |largest: f64| self.rounding * (1.0 + largest / self.norm);
         let bounded = self.elimination.bounded(&self.changes(coefficients)?, margin, rounding)?;
-        bounded.regions(regions).or_else(|| {
+        bounded.regions(&self.regions).or_else(|| {
             let grouped = grouped(&bounded);
-            isolated(grouped.as_ref().unwrap_or(&bounded), regions).or(grouped)?.regions(regions)
+            isolated(grouped.as_ref().unwrap_or(&bounded), &self.regions).or(grouped)?.regions(&self.regions)
         })
     }
+}
+
+/// The regions, of which those with a real eigenvalue begin at a frequency below 0 that no eigenvalue is near: what lies between that and
+/// 0 has its conjugate in the region.
+fn from_below(regions: &[Region], eigenvalues: &[Eigenvalue]) -> Vec<Region> {
+    let largest = eigenvalues.iter().map(|value| magnitude(*value)).fold(0.0, f64::max);
+    let begin = |region: &Region| {
+        let (real, complex): (Vec<_>, Vec<_>) = eigenvalues.iter().partition(|value| value.im == 0.0);
+        if real.iter().all(|value| region.distance(*value) > 0.0) {
+            return *region;
+        }
+        let away = complex.iter().map(|value| value.im.abs().max(region.distance(*value)));
+        Region { lowest: -0.5 * away.fold(region.highest.min(largest), f64::min), ..*region }
+    };
+    regions.iter().map(begin).collect()
 }
 
 /// What is left for rounding of an eigenvalue.

@@ -24,6 +24,8 @@ pub(super) type ComplexMat = Mat<Complex<f64>>;
 /// vectors V and the left ones W, `W V = 1`, these are `W (dA / dc_k) V`.
 pub(super) struct FastBasis {
     pub(super) eigenvalues: Vec<Eigenvalue>,
+    /// The places of those that are zero whatever the coefficients.
+    pub(super) zeros: Vec<usize>,
     /// For each coefficient that changes. Modes are scaled so that typical changes couple each to the others as much as these to it.
     pub(super) changes: Vec<ComplexMat>,
     /// `|A|`.
@@ -36,7 +38,8 @@ pub(super) struct FastBasis {
 impl FastBasis {
     /// The basis at these coefficients for changes of some of them; `None` if there is none, as where vectors are nearly parallel.
     pub(super) fn new(problem: &DenseQuadratic, coefficients: &[f64], changing: &[usize]) -> Option<Self> {
-        let companion = problem.at(coefficients).companion();
+        let here = problem.at(coefficients);
+        let companion = here.companion();
         let norm = companion.norm();
         let (eigenvalues, right, left) = eigenvectors(&companion)?;
         let mut changes: Vec<ComplexMat> = changing.iter().map(|&k| change(problem, k, &left, &right)).collect();
@@ -61,7 +64,8 @@ impl FastBasis {
         scale(&mut unit, &scales);
         let of_unit = largest((0..count).map(|j| largest(unit.col(j).iter().map(|entry| entry.norm_sqr().sqrt()))));
         let rounding = SAFETY * (of_values + of_unit * norm + backward);
-        (rounding <= LARGEST_ROUNDING * norm).then_some(Self { eigenvalues, changes, norm, rounding })
+        let zeros = here.known_zeros(&eigenvalues);
+        (rounding <= LARGEST_ROUNDING * norm).then_some(Self { eigenvalues, zeros, changes, norm, rounding })
     }
 }
 
@@ -166,7 +170,8 @@ mod tests {
         let damping = [dmatrix![0.02, 0.0; 0.0, 0.03]];
         let problem = DenseQuadratic::new(&DMatrix::identity(2, 2), &damping, &stiffness, &[1.0; 3]).unwrap();
         let coefficients = [1.0, 1.0, 1e-3];
-        let FastBasis { eigenvalues, changes, norm, rounding } = FastBasis::new(&problem, &coefficients, &[2]).unwrap();
+        let FastBasis { eigenvalues, changes, norm, rounding, .. } =
+            FastBasis::new(&problem, &coefficients, &[2]).unwrap();
         assert!(rounding > 0.0 && rounding < 1e-12 * norm, "{rounding}");
         let count = eigenvalues.len();
         let coupling = |i: usize, j: usize| if i == j { 0.0 } else { magnitude(changes[0][(i, j)]) };

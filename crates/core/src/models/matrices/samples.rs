@@ -215,14 +215,19 @@ impl Samples {
         Some(values.iter().map(|value| excess(&self.shared.regions, *value)).fold(1.0, f64::min))
     }
 
-    /// The eigenvalue that this is of, in rad/s.
-    fn least_damped(&self, coefficients: &[f64]) -> Option<Eigenvalue> {
+    /// The eigenvalue that this is of, in rad/s, with the series if there is one.
+    fn least_damped(&self, coefficients: &[f64], series: Option<&ModeSeries>) -> Option<Eigenvalue> {
         let Shared { problem, regions, scaled, .. } = &*self.shared;
         if let Problem::Dense(problem) = problem {
-            return Decider::of_any(problem, scaled, self.series()).least_damped(coefficients);
+            return Decider::of_any(problem, scaled, series).least_damped(coefficients);
         }
         let values = problem.eigenvalues(coefficients, regions).ok()?;
         values.into_iter().min_by(|a, b| excess(regions, *a).total_cmp(&excess(regions, *b)))
+    }
+
+    /// Whether a pair is unstable in a band.
+    fn is_unstable(&self, pair: Eigenvalue) -> bool {
+        self.shared.regions.iter().any(|region| region.contains(pair))
     }
 
     /// What is recorded of a sample with this verdict.
@@ -230,7 +235,12 @@ impl Samples {
         let mut values = NOTHING;
         let recorded = &self.shared.recorded;
         if !recorded.is_empty() && verdict != Verdict::Failed {
-            let least = self.least_damped(coefficients);
+            let agrees = |least: &Option<Eigenvalue>| {
+                least.is_some_and(|pair| self.is_unstable(pair)) == (verdict == Verdict::Unstable)
+            };
+            // A verdict may be proved, what the series finds is not.
+            let by_series = Some(self.least_damped(coefficients, self.series())).filter(agrees);
+            let least = by_series.unwrap_or_else(|| self.least_damped(coefficients, None));
             values.iter_mut().zip(recorded).for_each(|(value, result)| *value = least.map(|pair| result.value(pair)));
         }
         values
@@ -325,9 +335,8 @@ impl Configuration for Samples {
 
     fn unstable_frequencies(&self, samples: &Columns<'_>) -> Option<Vec<f64>> {
         let of_sample = |sample: usize| {
-            let least = self.least_damped(&self.coefficients(samples, sample));
-            let is_unstable = |value: &Eigenvalue| self.shared.regions.iter().any(|region| region.contains(*value));
-            let unstable = least.filter(|value| !self.is_outside(samples, sample) && is_unstable(value));
+            let least = self.least_damped(&self.coefficients(samples, sample), self.series());
+            let unstable = least.filter(|pair| !self.is_outside(samples, sample) && self.is_unstable(*pair));
             unstable.map_or(f64::NAN, |value| value.im.abs() / std::f64::consts::TAU)
         };
         Some((0..samples.len()).map(of_sample).collect())

@@ -2,10 +2,19 @@ use super::*;
 use crate::models::matrices::region::{Region, magnitude};
 use crate::models::matrices::trial::Numbers;
 
+/// With polynomials and directly.
+const WAYS: [fn(&Modes<'_>) -> Terms; 2] =
+    [|modes| Terms::Polynomials(Polynomials::new(modes)), |modes| Terms::Direct(Direct::new(modes))];
+
 /// The exact matrix at places of a region, the other modes eliminated, is within the bounds, and near to them in some case for each
 /// of the two terms.
 #[test]
 fn the_eliminated_matrix_is_within_its_bounds_and_these_are_not_wide() {
+    is_within_bounds_that_are_not_wide(WAYS[0], 0.5);
+    is_within_bounds_that_are_not_wide(WAYS[1], 0.45);
+}
+
+fn is_within_bounds_that_are_not_wide(terms: fn(&Modes<'_>) -> Terms, least: f64) {
     let region = Region { lowest: 1.0, highest: 2.0, damping_ratio: 0.0 };
     let (kept, all) = (3, 8);
     let mut numbers = Numbers(3);
@@ -31,7 +40,7 @@ fn the_eliminated_matrix_is_within_its_bounds_and_these_are_not_wide() {
             changes.iter().map(|change| Mat::from_fn(all, all, |i, j| change[(i, j)] * keep(i, j))).collect();
         let distances: Vec<f64> = eigenvalues.iter().map(|value| region.distance(*value)).collect();
         let places = eigenvalues[..kept].iter().map(|value| Complex::new(0.0, value.im.clamp(1.0, 2.0))).collect();
-        let elimination = Elimination::new(&eigenvalues, &distances, places, &changes);
+        let elimination = Elimination::with(&eigenvalues, &distances, places, &changes, terms);
         let parts = [number() * 0.09, number() * 0.09].map(|part| [part.re, part.im]);
         let parts = parts.as_flattened();
         let Some(bounded) = elimination.bounded(parts, |_| 0.0, |_| 0.0) else { continue };
@@ -72,7 +81,7 @@ fn the_eliminated_matrix_is_within_its_bounds_and_these_are_not_wide() {
             }
         }
     }
-    assert!(largest.iter().all(|part| *part > 0.5), "{largest:?}");
+    assert!(largest.iter().all(|part| *part > least), "{largest:?}");
 }
 
 /// What is not a number, or so large that sums cancel, is no matrix, whether modes are kept or not.
@@ -80,9 +89,9 @@ fn the_eliminated_matrix_is_within_its_bounds_and_these_are_not_wide() {
 fn changes_that_are_no_numbers_or_too_large_are_left_open() {
     let eigenvalues = [Complex::new(-0.1, 1.0), Complex::new(-0.5, 4.0)];
     let changes = [1.0, -1.0].map(|sign| Mat::from_fn(2, 2, |_, _| Complex::from(sign)));
-    for kept in [0, 1] {
+    for (kept, terms) in [(0, WAYS[0]), (1, WAYS[0]), (0, WAYS[1]), (1, WAYS[1])] {
         let places = eigenvalues[..kept].to_vec();
-        let elimination = Elimination::new(&eigenvalues, &[0.1, 2.0], places, &changes);
+        let elimination = Elimination::with(&eigenvalues, &[0.1, 2.0], places, &changes, terms);
         let is_open = |changes: [f64; 2]| elimination.bounded(&changes, |_| 0.0, |_| 0.0).is_none();
         assert!(!is_open([0.01, 0.02]));
         assert!(is_open([f64::NAN, 0.0]) && is_open([f64::INFINITY, 0.0]) && is_open([1e80, 1e80]), "{kept}");
@@ -116,4 +125,40 @@ fn bounds_are_near_to_what_is_left_out_far_from_the_place_of_a_row() {
     for bound in [bounded.constant[0] + away, bounded.most[0]].map(|row| row * bounded.columns[0]) {
         assert!(off <= bound && off > 0.95 * bound, "{off} {bound}");
     }
+}
+
+/// Both ways give the same matrix and the same norms but for that of rho; few changes take polynomials, many do not.
+#[test]
+fn polynomials_and_sums_agree() {
+    let mut numbers = Numbers(11);
+    let mut number = move || Complex::new(numbers.next(), numbers.next());
+    let (kept, all) = (4, 9);
+    let eigenvalues: Vec<Eigenvalue> =
+        (0..all).map(|i| Complex::new(-0.1, 1.0 + 0.3 * f64::from(i)) + number()).collect();
+    let changes: Vec<ComplexMat> = (0..3).map(|_| Mat::from_fn(all as usize, all as usize, |_, _| number())).collect();
+    let places: Vec<Eigenvalue> = (0..kept).map(|i| Complex::new(0.0, 1.0 + 0.3 * f64::from(i))).collect();
+    let distances: Vec<f64> = (0..all).map(|i| 0.5 + 0.1 * f64::from(i)).collect();
+    let [one, other] = WAYS.map(|terms| {
+        let elimination = Elimination::with(&eigenvalues, &distances, places.clone(), &changes, terms);
+        let changed = match &elimination.terms {
+            Terms::Polynomials(terms) => terms.after(&[0.02, -0.03, 0.01]),
+            Terms::Direct(terms) => terms.after(&[0.02, -0.03, 0.01]),
+        };
+        changed.unwrap()
+    });
+    let are_near = |a: &[f64], b: &[f64]| {
+        assert!(a.len() == 4 && a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 1e-10 * b && *b > 0.0), "{a:?} {b:?}");
+    };
+    assert!(one.entries.iter().zip(&other.entries).all(|(a, b)| magnitude(a - b) < 1e-14) && one.entries.len() == 16);
+    are_near(&one.rows, &other.rows);
+    are_near(&one.columns, &other.columns);
+    for place in 0..2 {
+        are_near(&one.first[place], &other.first[place]);
+        are_near(&one.second[place], &other.second[place]);
+    }
+    let is_direct = |count: usize| {
+        let changes: Vec<ComplexMat> = changes.iter().cycle().take(count).cloned().collect();
+        matches!(Elimination::new(&eigenvalues, &distances, places.clone(), &changes).terms, Terms::Direct(_))
+    };
+    assert_eq!([1, 2, 24].map(is_direct), [false, false, true]);
 }

@@ -46,7 +46,8 @@ fn large_models_are_proved_and_no_series_is_made() {
     for (size, bands, is_proved) in [
         (20, &[[2.5, 4.5]][..], true),
         (20, &[[2.5, 4.5], [4.5, 6.5]], true),
-        (20, &[[0.0, 4.5]], false),
+        (20, &[[0.0, 4.5]], true),
+        (20, &[[0.0, f64::INFINITY]], false),
         (8, &[[2.5, 4.5]], false),
     ] {
         let samples = samples(size, bands);
