@@ -62,7 +62,7 @@ impl Centre {
     }
 
     fn in_basis(basis: FastBasis, coefficients: &[f64], changing: &[usize], regions: &[Region]) -> Option<Self> {
-        let FastBasis { eigenvalues, zeros, changes, norm, rounding } = basis;
+        let FastBasis { eigenvalues, changes, norm, rounding } = basis;
         let regions = from_below(regions, &eigenvalues);
         let lowest = regions.iter().map(|region| region.lowest).fold(0.0, f64::min);
         let distance = |value: &Eigenvalue| {
@@ -73,9 +73,7 @@ impl Centre {
         let largest = eigenvalues.iter().map(|value| magnitude(*value)).fold(0.0, f64::max);
         let highest = regions.iter().map(|region| region.highest.min(largest)).fold(0.0, f64::max);
         let is_kept = |i: &usize| eigenvalues[*i].im > lowest && distances[*i] <= KEPT * highest;
-        // Zeros that no coefficient moves couple with others one way at most, and leave them where they are.
-        let all = (0..eigenvalues.len()).filter(|i| !zeros.contains(i));
-        let (mut order, others): (Vec<usize>, Vec<usize>) = all.partition(is_kept);
+        let (mut order, others): (Vec<usize>, Vec<usize>) = (0..eigenvalues.len()).partition(is_kept);
         if others.iter().any(|&r| distances[r].is_nan() || distances[r] <= 0.0) {
             return None;
         }
@@ -147,8 +145,8 @@ impl Centre {
     }
 }
 
-/// The regions, of which those with a real eigenvalue begin at a frequency below 0 that no eigenvalue is near: what lies between that and
-/// 0 has its conjugate in the region.
+/// The regions, of which those with a real eigenvalue begin at a frequency below 0 that no eigenvalue is near. What lies between that and
+/// 0 has its conjugate in the region, so that there is an eigenvalue in the one just where there is one in the other.
 fn from_below(regions: &[Region], eigenvalues: &[Eigenvalue]) -> Vec<Region> {
     let largest = eigenvalues.iter().map(|value| magnitude(*value)).fold(0.0, f64::max);
     let begin = |region: &Region| {

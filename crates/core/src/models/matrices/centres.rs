@@ -52,14 +52,22 @@ impl Centres {
         Self { regions, changing, expected, serve: OnceLock::new(), known: RwLock::default(), told, open }
     }
 
+    /// How many samples they have told.
+    #[cfg(test)]
+    pub(super) fn told(&self) -> usize {
+        self.told.load(Ordering::Relaxed)
+    }
+
     /// Whether they serve for the model.
     pub(super) fn serve(&self, problem: &DenseQuadratic) -> bool {
         *self.serve.get_or_init(|| {
             let first = Centre::new(problem, &self.expected, &self.changing, &self.regions);
             let suits = |centre: &Centre| {
-                let is_wide = centre.kept() as f64 > LARGEST_PART * problem.size() as f64;
+                let is_wide = || centre.kept() as f64 > LARGEST_PART * problem.size() as f64;
+                // A zero that stays one is at the edge of a band from 0.
+                let is_open = || centre.regions(&self.expected).is_none();
                 let is_from_zero = self.regions.iter().any(|region| region.lowest <= 0.0);
-                centre.typical_norm() <= LARGEST_NORM && !(is_wide && is_from_zero)
+                centre.typical_norm() <= LARGEST_NORM && !(is_from_zero && (is_wide() || is_open()))
             };
             let Some(first) = first.filter(suits) else { return false };
             self.known.write().unwrap_or_else(PoisonError::into_inner).push(Arc::new(first));

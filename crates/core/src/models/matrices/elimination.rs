@@ -53,7 +53,7 @@ pub(super) struct Elimination {
     kept: Vec<Eigenvalue>,
     /// s.
     places: Vec<Eigenvalue>,
-    /// The largest modulus in each change of modes that are kept.
+    /// The largest modulus in each change of the rows and columns of modes that are kept.
     sizes: Vec<f64>,
     terms: Terms,
 }
@@ -94,20 +94,20 @@ struct Modes<'a> {
 
 impl Modes<'_> {
     /// Operations that a sample takes with polynomials, nearly, and without.
-    fn work(&self) -> [usize; 2] {
-        let (count, kept, others) = (self.changes.len(), self.kept, self.roots.len());
+    fn work(&self) -> [f64; 2] {
+        let [count, kept, others] = [self.changes.len(), self.kept, self.roots.len()].map(|number| number as f64);
         let all = kept + others;
-        let of_two = count * (count + 1) / 2;
-        let of_three = of_two * (count + 2) / 3;
-        let of_four = of_two * (of_two + 1) / 2;
-        let forms = 2 * kept * (4 * of_two + 2 * of_four) + 2 * of_two * of_two;
-        let products = 8 * kept * others * (others + kept);
-        [4 * kept * kept * (count + of_two + of_three) + forms, 4 * count * all * all + products]
+        let of_two = 0.5 * count * (count + 1.0);
+        let of_three = of_two * (count + 2.0) / 3.0;
+        let of_four = 0.5 * of_two * (of_two + 1.0);
+        let forms = 2.0 * kept * (4.0 * of_two + 2.0 * of_four) + 2.0 * of_two * of_two;
+        let products = 8.0 * kept * others * (others + kept);
+        [4.0 * kept * kept * (count + of_two + of_three) + forms, 4.0 * count * all * all + products]
     }
 }
 
 /// Products of two changes times the cube of all modes up to which polynomials take well below a second to find.
-const MOST_WORK: usize = 1 << 30;
+const MOST_WORK: f64 = 1e9;
 
 impl Elimination {
     /// Keeps the first modes, as many as there are places, which are at the distances from all that will be looked at. The distances
@@ -119,8 +119,8 @@ impl Elimination {
         changes: &[ComplexMat],
     ) -> Self {
         Self::with(eigenvalues, distances, places, changes, |modes| {
-            let all = modes.kept + modes.roots.len();
-            let of_two = changes.len() * (changes.len() + 1) / 2;
+            let all = eigenvalues.len() as f64;
+            let of_two = 0.5 * changes.len() as f64 * (changes.len() as f64 + 1.0);
             let [with, without] = modes.work();
             match with <= without && of_two * all * all * all <= MOST_WORK {
                 true => Terms::Polynomials(Polynomials::new(modes)),
@@ -146,9 +146,10 @@ impl Elimination {
             roots,
             inverse_gaps: Mat::from_fn(kept, others.len(), |i, r| 1.0 / (places[i] - others[r])),
         };
+        let all = eigenvalues.len();
         let size = |change: &ComplexMat| {
-            let columns = change.get(..kept, ..kept).col_iter();
-            columns.flat_map(|column| column.iter()).map(|entry| length(*entry)).fold(0.0, f64::max)
+            let places = (0..all).flat_map(|i| (0..if i < kept { all } else { kept }).map(move |j| (i, j)));
+            places.map(|place| length(change[place])).fold(0.0, f64::max)
         };
         Self {
             terms: terms(&modes),

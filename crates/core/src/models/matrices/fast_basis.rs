@@ -24,8 +24,6 @@ pub(super) type ComplexMat = Mat<Complex<f64>>;
 /// vectors V and the left ones W, `W V = 1`, these are `W (dA / dc_k) V`.
 pub(super) struct FastBasis {
     pub(super) eigenvalues: Vec<Eigenvalue>,
-    /// The places of those that are zero whatever the coefficients.
-    pub(super) zeros: Vec<usize>,
     /// For each coefficient that changes. Modes are scaled so that typical changes couple each to the others as much as these to it.
     pub(super) changes: Vec<ComplexMat>,
     /// `|A|`.
@@ -38,8 +36,7 @@ pub(super) struct FastBasis {
 impl FastBasis {
     /// The basis at these coefficients for changes of some of them; `None` if there is none, as where vectors are nearly parallel.
     pub(super) fn new(problem: &DenseQuadratic, coefficients: &[f64], changing: &[usize]) -> Option<Self> {
-        let here = problem.at(coefficients);
-        let companion = here.companion();
+        let companion = problem.at(coefficients).companion();
         let norm = companion.norm();
         let (eigenvalues, right, left) = eigenvectors(&companion)?;
         let mut changes: Vec<ComplexMat> = changing.iter().map(|&k| change(problem, k, &left, &right)).collect();
@@ -64,8 +61,7 @@ impl FastBasis {
         scale(&mut unit, &scales);
         let of_unit = largest((0..count).map(|j| largest(unit.col(j).iter().map(|entry| entry.norm_sqr().sqrt()))));
         let rounding = SAFETY * (of_values + of_unit * norm + backward);
-        let zeros = here.known_zeros(&eigenvalues);
-        (rounding <= LARGEST_ROUNDING * norm).then_some(Self { eigenvalues, zeros, changes, norm, rounding })
+        (rounding <= LARGEST_ROUNDING * norm).then_some(Self { eigenvalues, changes, norm, rounding })
     }
 }
 

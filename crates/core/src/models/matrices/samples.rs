@@ -225,9 +225,14 @@ impl Samples {
         values.into_iter().min_by(|a, b| excess(regions, *a).total_cmp(&excess(regions, *b)))
     }
 
-    /// Whether a pair is unstable in a band.
-    fn is_unstable(&self, pair: Eigenvalue) -> bool {
-        self.shared.regions.iter().any(|region| region.contains(pair))
+    /// The same for a sample with this verdict.
+    fn least_damped_for(&self, verdict: Verdict, coefficients: &[f64]) -> Option<Eigenvalue> {
+        let Some(series) = self.series() else { return self.least_damped(coefficients, None) };
+        let least = self.least_damped(coefficients, Some(series));
+        let is_unstable = least.is_some_and(|pair| self.shared.regions.iter().any(|region| region.contains(pair)));
+        // The verdict may be proved, what the series finds is not.
+        let agrees = is_unstable == (verdict == Verdict::Unstable);
+        if agrees { least } else { self.least_damped(coefficients, None) }
     }
 
     /// What is recorded of a sample with this verdict.
@@ -235,12 +240,7 @@ impl Samples {
         let mut values = NOTHING;
         let recorded = &self.shared.recorded;
         if !recorded.is_empty() && verdict != Verdict::Failed {
-            let agrees = |least: &Option<Eigenvalue>| {
-                least.is_some_and(|pair| self.is_unstable(pair)) == (verdict == Verdict::Unstable)
-            };
-            // A verdict may be proved, what the series finds is not.
-            let by_series = Some(self.least_damped(coefficients, self.series())).filter(agrees);
-            let least = by_series.unwrap_or_else(|| self.least_damped(coefficients, None));
+            let least = self.least_damped_for(verdict, coefficients);
             values.iter_mut().zip(recorded).for_each(|(value, result)| *value = least.map(|pair| result.value(pair)));
         }
         values
@@ -335,9 +335,11 @@ impl Configuration for Samples {
 
     fn unstable_frequencies(&self, samples: &Columns<'_>) -> Option<Vec<f64>> {
         let of_sample = |sample: usize| {
-            let least = self.least_damped(&self.coefficients(samples, sample), self.series());
-            let unstable = least.filter(|pair| !self.is_outside(samples, sample) && self.is_unstable(*pair));
-            unstable.map_or(f64::NAN, |value| value.im.abs() / std::f64::consts::TAU)
+            let coefficients = self.coefficients(samples, sample);
+            let is_unstable =
+                !self.is_outside(samples, sample) && self.verdict(&coefficients, true) == Some(Verdict::Unstable);
+            let least = is_unstable.then(|| self.least_damped_for(Verdict::Unstable, &coefficients)).flatten();
+            least.map_or(f64::NAN, |value| value.im.abs() / std::f64::consts::TAU)
         };
         Some((0..samples.len()).map(of_sample).collect())
     }

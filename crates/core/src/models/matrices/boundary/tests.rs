@@ -216,3 +216,45 @@ fn rounding_of_all_entries_counts() {
     assert_eq!(matrix(0.04).regions(&region), Some(0));
     assert_eq!(matrix(0.06).regions(&region), None);
 }
+
+/// Regions that begin below 0: real eigenvalues that grow, and those between that and 0, are inside, those below it are not. None is told
+/// where the matrix has an eigenvalue on the other side of the boundary than its diagonal.
+#[test]
+fn regions_that_begin_below_zero_have_what_is_above_their_lower_end() {
+    let mut numbers = Numbers(17);
+    let mut tally = [0; 3];
+    for case in 0..4000 {
+        let lowest = [-0.3, 0.0][case % 2];
+        let region =
+            Region { lowest, highest: [1.0, f64::INFINITY][case / 2 % 2], damping_ratio: [0.0, 0.05][case / 4 % 2] };
+        let size = 1 + case % 5;
+        let coupling = [0.003, 0.05][case / 8 % 2];
+        let diagonal: Vec<Eigenvalue> =
+            (0..size).map(|_| Eigenvalue::new(0.3 * numbers.next(), 0.7 * numbers.next())).collect();
+        let entries: Vec<Complex<f64>> = (0..size * size).map(|_| number(&mut numbers) * coupling).collect();
+        let entry = |i: usize, j: usize| if i == j { diagonal[i] } else { entries[i * size + j] };
+        let bounded = Bounded {
+            margins: vec![1e-9; size],
+            rounding: 1e-15,
+            entries: (0..size * size).map(|place| entry(place / size, place % size)).collect(),
+            constant: vec![0.0; size],
+            slope: vec![0.0; size],
+            most: vec![0.0; size],
+            places: diagonal.clone(),
+            columns: vec![0.0; size],
+        };
+        let is_inside = |value: &Eigenvalue| {
+            let ratio = -value.re / magnitude(*value);
+            value.im > lowest && value.im <= region.highest && ratio < region.damping_ratio - RESOLUTION
+        };
+        let truth = u64::from(eigenvalues(size, entry).iter().any(is_inside));
+        match bounded.regions(&[region]) {
+            Some(told) => {
+                assert_eq!(told, truth, "{region:?} {diagonal:?}");
+                tally[told as usize] += 1;
+            }
+            None => tally[2] += 1,
+        }
+    }
+    assert!(tally.iter().all(|count| *count > 200), "{tally:?}");
+}

@@ -87,7 +87,7 @@ fn family(kind: usize, seed: u64, size: usize, scatter: f64) -> Family {
         0 | 4 => &[[0.7, 1.2]],
         1 | 3 => &[[0.5, 0.8], [0.8, 1.2], [1.0, 1.3]],
         2 => &[[0.0, 0.8]],
-        _ => &[[0.0, f64::INFINITY], [0.0, 1.1]],
+        _ => &[[0.0, 0.5], [0.0, 1.1]],
     };
     let damping_ratio = [0.0, 0.0, 0.004, -0.002][seed as usize % 4];
     let in_unit = |problem: &DenseQuadratic| -> Vec<Region> {

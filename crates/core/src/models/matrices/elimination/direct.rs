@@ -56,7 +56,7 @@ impl Direct {
     fn sum(&self, changes: &[f64]) -> Vec<Complex<f64>> {
         let all = self.kept + self.roots.len();
         let mut sum = vec![Complex::from(0.0); all * all];
-        for (change, factor) in self.changes.iter().zip(changes) {
+        for (change, factor) in self.changes.iter().zip(changes).filter(|(_, factor)| **factor != 0.0) {
             sum.iter_mut().zip(change).for_each(|(sum, entry)| *sum += entry * factor);
         }
         sum

@@ -56,5 +56,7 @@ fn large_models_are_proved_and_no_series_is_made() {
             assert_eq!(samples.verdict(&[damping, 1.0], true), Some(expected), "{size} {bands:?} {damping}");
         }
         assert_eq!(samples.shared.series.get().is_none(), is_proved, "{size} {bands:?}");
+        let told = samples.together.as_ref().map_or(0, |together| together.centres.told());
+        assert_eq!(told, if is_proved { 2 } else { 0 }, "{size} {bands:?}");
     }
 }
