@@ -35,12 +35,14 @@
 //! with `b_j = |E_rj / sqrt(g_r)|`. Of few changes all of this is known as polynomials ([`polynomials`]); of many, it takes less
 //! time to add them up and to multiply what they are together ([`direct`]).
 
+mod changed;
 mod direct;
 mod polynomials;
 
 use faer::Mat;
 use nalgebra::Complex;
 
+use self::changed::{Changed, Modes};
 use self::direct::Direct;
 use self::polynomials::Polynomials;
 use super::boundary::{Bounded, length};
@@ -62,48 +64,6 @@ pub(super) struct Elimination {
 enum Terms {
     Polynomials(Polynomials),
     Direct(Direct),
-}
-
-/// What changes make of the modes.
-struct Changed {
-    /// What they add to the matrix that remains, by rows.
-    entries: Vec<Complex<f64>>,
-    /// A bound of rho.
-    norm: f64,
-    /// `|e / sqrt(g)|`.
-    rows: Vec<f64>,
-    /// b.
-    columns: Vec<f64>,
-    /// `|y_0 sqrt(g)|` and `|y_0 / sqrt(g)|`.
-    first: [Vec<f64>; 2],
-    /// The same of `y_1`.
-    second: [Vec<f64>; 2],
-}
-
-/// Changes in the basis of all modes, those that are kept first.
-struct Modes<'a> {
-    changes: &'a [ComplexMat],
-    /// How many are kept.
-    kept: usize,
-    /// `sqrt(g)`, and one over it.
-    roots: Vec<f64>,
-    inverse_roots: Vec<f64>,
-    /// `1 / (s_i - lambda_r)`.
-    inverse_gaps: ComplexMat,
-}
-
-impl Modes<'_> {
-    /// Operations that a sample takes with polynomials, nearly, and without.
-    fn work(&self) -> [f64; 2] {
-        let [count, kept, others] = [self.changes.len(), self.kept, self.roots.len()].map(|number| number as f64);
-        let all = kept + others;
-        let of_two = 0.5 * count * (count + 1.0);
-        let of_three = of_two * (count + 2.0) / 3.0;
-        let of_four = 0.5 * of_two * (of_two + 1.0);
-        let forms = 2.0 * kept * (4.0 * of_two + 2.0 * of_four) + 2.0 * of_two * of_two;
-        let products = 8.0 * kept * others * (others + kept);
-        [4.0 * kept * kept * (count + of_two + of_three) + forms, 4.0 * count * all * all + products]
-    }
 }
 
 /// Products of two changes times the cube of all modes up to which polynomials take well below a second to find.
@@ -218,11 +178,6 @@ impl Elimination {
             columns,
         })
     }
-}
-
-/// Whether a bound of rho is one of something regular.
-fn is_regular(norm: f64) -> bool {
-    norm < 1.0
 }
 
 #[cfg(test)]

@@ -7,7 +7,7 @@ use nalgebra::Complex;
 
 use super::super::boundary::length;
 use super::super::fast_basis::ComplexMat;
-use super::{Changed, Modes, is_regular};
+use super::changed::{Changed, Modes, is_regular};
 
 /// The rounding of a sum, in parts of its terms, and more.
 const ROUNDING: f64 = 1e-12;

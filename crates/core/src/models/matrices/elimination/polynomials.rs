@@ -9,7 +9,7 @@ use nalgebra::Complex;
 
 use super::super::fast_basis::ComplexMat;
 use super::super::forms::{Forms, NormForm, pairs, products};
-use super::{Changed, Modes, is_regular};
+use super::changed::{Changed, Modes, is_regular};
 
 pub(super) struct Polynomials {
     /// What each change, each product of two and each of three adds to the matrix, by rows; real and imaginary parts.
