@@ -40,7 +40,6 @@ mod direct;
 mod polynomials;
 
 use faer::Mat;
-use nalgebra::Complex;
 
 use self::changed::{Changed, Modes};
 use self::direct::Direct;

@@ -1,3 +1,5 @@
+use nalgebra::Complex;
+
 use super::*;
 use crate::models::matrices::region::{Region, magnitude};
 use crate::models::matrices::trial::Numbers;
