@@ -38,8 +38,8 @@ pub fn damping_ratio(eigenvalue: Eigenvalue) -> f64 {
 /// A band of frequencies with a threshold of the damping ratio.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Region {
-    /// The lower end of the band, rad/s, which belongs to it. Where proofs look from below 0
-    /// ([`centre`](super::centre)), it is negative, and of negative frequencies those above it belong to the band.
+    /// The lower end of the band, rad/s, which belongs to it. Where a proof looks from below 0, it is negative, and of negative
+    /// frequencies those above it belong to the band.
     pub lowest: f64,
     /// The upper end, rad/s, which belongs to it; may be infinite.
     pub highest: f64,
