@@ -85,7 +85,7 @@ impl Centre {
         let changes: Vec<ComplexMat> = changes.iter().map(ordered).collect();
         Some(Self {
             couplings: coupling_forms(&changes, &eigenvalues, &distances),
-            elimination: Elimination::new(&eigenvalues, &distances, places, &changes),
+            elimination: Elimination::new(&eigenvalues, &distances, places, &changes)?,
             rounding,
             norm,
             regions,

@@ -66,24 +66,25 @@ enum Terms {
 }
 
 /// Products of two changes times the cube of all modes up to which polynomials take well below a second to find.
-const MOST_WORK: f64 = 1e9;
+const MOST_WORK: f64 = (1_u64 << 30) as f64;
 
 impl Elimination {
     /// Keeps the first modes, as many as there are places, which are at the distances from all that will be looked at. The distances
-    /// of the others are above zero.
+    /// of the others are above zero. `None` where polynomials take less time for a sample, but too much to find.
     pub(super) fn new(
         eigenvalues: &[Eigenvalue],
         distances: &[f64],
         places: Vec<Eigenvalue>,
         changes: &[ComplexMat],
-    ) -> Self {
+    ) -> Option<Self> {
         Self::with(eigenvalues, distances, places, changes, |modes| {
             let all = eigenvalues.len() as f64;
             let of_two = 0.5 * changes.len() as f64 * (changes.len() as f64 + 1.0);
             let [with, without] = modes.work();
-            match with <= without && of_two * all * all * all <= MOST_WORK {
-                true => Terms::Polynomials(Polynomials::new(modes)),
-                false => Terms::Direct(Direct::new(modes)),
+            match with <= without {
+                true if of_two * all * all * all > MOST_WORK => None,
+                true => Some(Terms::Polynomials(Polynomials::new(modes))),
+                false => Some(Terms::Direct(Direct::new(modes))),
             }
         })
     }
@@ -93,8 +94,8 @@ impl Elimination {
         distances: &[f64],
         places: Vec<Eigenvalue>,
         changes: &[ComplexMat],
-        terms: impl Fn(&Modes<'_>) -> Terms,
-    ) -> Self {
+        terms: impl Fn(&Modes<'_>) -> Option<Terms>,
+    ) -> Option<Self> {
         let kept = places.len();
         let others = &eigenvalues[kept..];
         let roots: Vec<f64> = distances[kept..].iter().map(|distance| distance.sqrt()).collect();
@@ -110,12 +111,12 @@ impl Elimination {
             let places = (0..all).flat_map(|i| (0..if i < kept { all } else { kept }).map(move |j| (i, j)));
             places.map(|place| length(change[place])).fold(0.0, f64::max)
         };
-        Self {
-            terms: terms(&modes),
+        Some(Self {
+            terms: terms(&modes)?,
             sizes: changes.iter().map(size).collect(),
             kept: eigenvalues[..kept].to_vec(),
             places,
-        }
+        })
     }
 
     /// How many modes are kept.
