@@ -95,6 +95,47 @@ fn plain_samples_do_not_depend_on_how_the_work_is_shared() {
     place.assert_survives_kills("whole", &[200, 400, 700], 1);
 }
 
+/// A tenth of its samples by default: with more samples there are more of them, the same as if there had been so many from the
+/// start.
+#[test]
+fn plain_samples_grow_with_the_samples_of_a_run() {
+    let place = Place::new();
+    let of = |sampling: &str| two_masses("job", "\"friction\", \"k\"", &format!("method = \"importance\"\n{sampling}"));
+    for (name, sampling) in [
+        ("few", "samples = 2048"),
+        ("many", "samples = 8192"),
+        ("many-audited", "samples = 8192\naudit = 400"),
+        ("few-audited", "samples = 2048\naudit = 400"),
+        ("more-less-audited", "samples = 16_384\naudit = 399"),
+    ] {
+        place.write(&format!("{name}.toml"), &of(sampling));
+    }
+    let decided = |run: &str| Table::read(&place.path(run).join("surface.parquet")).column("n_audit")[0];
+    for (few, run, plain) in [("few", "grown", 819.0), ("few-audited", "grown-audited", 819.0)] {
+        place.run(&format!("submit {few}.toml --out {run}")).done();
+        assert!(decided(run) < 500.0);
+        place.run(&format!("submit many.toml --out {run}")).done();
+        assert_eq!(decided(run), plain);
+        place.run(&format!("verify {run}")).done();
+        place.run(&format!("submit many.toml --out whole-{run}")).done();
+        assert!(place.surface(run) == place.surface(&format!("whole-{run}")), "{run}");
+    }
+    // Neither fewer of them nor other ones belong to it.
+    for (other, said) in [("many-audited", "400"), ("more-less-audited", "399")] {
+        let said = format!("grown holds a run of another job: the job has `sampling.audit = {said}`, the run does not");
+        place.run(&format!("submit {other}.toml --out grown")).refused(65, &[&said]);
+    }
+    std::fs::remove_file(place.path("grown/job.toml")).unwrap();
+    place.run("submit many-audited.toml --out grown").refused(65, &["sample 818 of cell 0", "only 400 samples"]);
+    assert!(!place.path("grown/job.toml").exists());
+    place.run("submit many.toml --out grown").done();
+    place.write("grown/job.toml", "damaged");
+    place.run("submit many-audited.toml --out grown").refused(74, &["grown/job.toml was damaged or edited"]);
+    place.run("submit many.toml --out grown").done();
+    let apart = place.run("submit many-audited.toml --out whole-grown --apart").done();
+    assert!(apart.stderr.contains("whole-grown holds a run of another job; this one goes to"), "{}", apart.stderr);
+}
+
 #[test]
 fn a_share_is_no_number_of_plain_samples() {
     let place = Place::new();
@@ -176,7 +217,33 @@ fn plain_samples_are_said_before_they_are_drawn() {
         let checked: serde_json::Value =
             serde_json::from_str(&place.run("check job.toml --json").done().stdout).unwrap();
         assert_eq!(checked["plain_samples_per_cell"], plain, "{sampling}");
+        assert_eq!(checked["plain_samples_at_limits"], 0, "{sampling}");
         assert_eq!(place.run("check job.toml").done().stdout.contains("plain samples"), plain > 0, "{sampling}");
+    }
+    // Those beside limits as well, where the job asks for limits; over a verdict map there are none beside cells.
+    let limit = "[limit]\nof = \"preload\"\nprobability = 0.05\n";
+    let exact = format!("{}\n{limit}", job("job", EIGENVALUE, BOTH, "method = \"exact\""));
+    let motion = "kind = \"time-domain\"\ndisc = \"rigid\"\nstart = \"near-equilibrium\"";
+    for (text, said, [cells, limits]) in [
+        (
+            exact.clone(),
+            "# 300 plain samples beside each cell, and at each limit and both ends of its axis, to",
+            [300, 300],
+        ),
+        (
+            exact.replace(EIGENVALUE, motion),
+            "# 300 plain samples at each limit and both ends of its axis, to",
+            [0, 300],
+        ),
+        (exact.replace("\"exact\"", "\"exact\"\naudit = 0"), "", [0, 0]),
+    ] {
+        place.write("job.toml", &text);
+        let checked = place.run("check job.toml").done().stdout;
+        assert!(checked.contains(said) && checked.contains("plain samples") != said.is_empty(), "{checked}");
+        let checked: serde_json::Value =
+            serde_json::from_str(&place.run("check job.toml --json").done().stdout).unwrap();
+        let found = ["plain_samples_per_cell", "plain_samples_at_limits"].map(|key| checked[key].as_u64().unwrap());
+        assert_eq!(found, [cells, limits]);
     }
 }
 

@@ -1,5 +1,6 @@
 //! Checking whether a job may be submitted to a run directory.
 
+use std::cmp::Ordering;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::thread;
@@ -51,7 +52,7 @@ pub fn adopt(directory: &RunDirectory, source: &JobSource, job: Job) -> Result<(
     if directory.job_source()?.is_none() {
         // There may be pieces without a job.toml, if somebody removed it. Those of this job count; others are refused
         // before anything is written. Meanwhile, another shard may have frozen the job.
-        let tally = directory.tally(&job);
+        let tally = directory.all_done(&job);
         if directory.job_source()?.is_none() {
             let tally = tally?;
             if directory.freeze_first(source, &job)? {
@@ -61,7 +62,7 @@ pub fn adopt(directory: &RunDirectory, source: &JobSource, job: Job) -> Result<(
     }
     let existing = frozen.or_else(|_| directory.job())?;
     let path = quoted(directory.path());
-    if existing.experiment_hash() != job.experiment_hash() {
+    if is_another(&existing, &job) {
         return Err(Failure::Job(format!(
             "{path} holds a run of another job: {}. Choose another directory with --out, or replace that run with --overwrite",
             first_difference(&existing.normalised(), &job.normalised())
@@ -103,6 +104,22 @@ pub fn adopt(directory: &RunDirectory, source: &JobSource, job: Job) -> Result<(
     Ok((job, RunState::New(tally)))
 }
 
+/// Whether a job can neither be that of a run nor extend it. With more samples it may have more plain ones beside its
+/// probabilities, as it has by default, but not fewer.
+fn is_another(existing: &Job, job: &Job) -> bool {
+    let has_fewer_plain_samples = || {
+        // Their usual number may not be known of a run without its files.
+        let is_usual = |job: &Job| job.sampling.audit == job.sampling.usual_audit;
+        !(is_usual(existing) && is_usual(job)) && job.plain_samples() < existing.plain_samples()
+    };
+    existing.experiment_hash() != job.experiment_hash()
+        || match job.sampling.samples.cmp(&existing.sampling.samples) {
+            Ordering::Less => false,
+            Ordering::Equal => existing.hash() != job.hash(),
+            Ordering::Greater => has_fewer_plain_samples(),
+        }
+}
+
 /// The directory of a job: `out`, or where that holds a run of another job, one beside it with a digest of this one in
 /// its name.
 pub fn apart(out: &Path, job: &Job) -> Result<RunDirectory, Failure> {
@@ -122,9 +139,8 @@ pub fn apart(out: &Path, job: &Job) -> Result<RunDirectory, Failure> {
 /// The directory `out`, unless it holds a run of another job. Files that this run names, such as its matrices, may be
 /// gone.
 fn unless_of_another(out: &Path, job: &Job) -> Result<Option<RunDirectory>, Failure> {
-    let is_of_another = |directory: &RunDirectory| {
-        directory.job_to_read().is_ok_and(|existing| existing.experiment_hash() != job.experiment_hash())
-    };
+    let is_of_another =
+        |directory: &RunDirectory| directory.job_to_read().is_ok_and(|existing| is_another(&existing, job));
     let started = Instant::now();
     loop {
         let busy = match RunDirectory::create(out, Access::Alone, AN_INSTANT) {

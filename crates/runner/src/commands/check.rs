@@ -54,11 +54,22 @@ pub fn check(arguments: &CheckArguments) -> Result<(), Failure> {
 
 /// A line on the samples beside probabilities that do not come from such.
 fn plain_samples(job: &Job) -> String {
-    let samples = match job.plain_samples() {
-        0 => return String::new(),
-        samples => counted(samples.into(), "plain sample", "plain samples"),
+    const AT_LIMITS: &str = "at each limit and both ends of its axis";
+    let [beside_cells, at_limits] = [job.plain_samples(), at_limits(job)];
+    let place = match (beside_cells, at_limits) {
+        (0, 0) => return String::new(),
+        (0, _) => AT_LIMITS.to_owned(),
+        (_, 0) => "beside each cell".to_owned(),
+        _ => format!("beside each cell, and {AT_LIMITS}"),
     };
-    format!("# {samples} beside each cell, to check that its probability misses no region (sampling.audit)\n")
+    // Limits have as many as cells have.
+    let samples = counted(beside_cells.max(at_limits).into(), "plain sample", "plain samples");
+    format!("# {samples} {place}, to check that its probability misses no region (sampling.audit)\n")
+}
+
+/// Samples at each limit that the job asks for, and at each end of its axis.
+fn at_limits(job: &Job) -> u64 {
+    if job.limit.is_some() { job.samples_beside_limits() } else { 0 }
 }
 
 /// Everything by name.
@@ -70,6 +81,7 @@ fn as_json(job: &Job, threads: usize, cost: &Cost) -> Value {
         "cells": job.cells(),
         "samples_at_most": u64::try_from(job.total_samples()).unwrap_or(u64::MAX),
         "plain_samples_per_cell": job.plain_samples(),
+        "plain_samples_at_limits": at_limits(job),
         "threads": threads,
         "seconds": cost.time.as_ref().ok().filter(|_| bounds.is_some()).map(|time| time.seconds),
         "seconds_low": bounds.map(|[low, _]| low),

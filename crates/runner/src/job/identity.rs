@@ -25,10 +25,14 @@ impl Job {
         hashed("job", &self.experiment())
     }
 
-    /// Identifies the job but for the number of samples: runs that agree in it share their samples.
+    /// Identifies the job but for the number of samples, and of plain ones beside a probability: runs that agree in it
+    /// share their samples.
     pub fn experiment_hash(&self) -> String {
         let mut experiment = self.experiment();
         experiment.sampling.samples = None;
+        if self.sampling.method.has_plain_samples() {
+            experiment.sampling.audit = None;
+        }
         if let Some(until) = &mut experiment.sampling.until {
             until.get_mut().at_most = Some(0);
         }

@@ -122,6 +122,12 @@ pub trait Method: Debug + Send + Sync {
         None
     }
 
+    /// Verdicts and integrals that the probability of a cell takes at least, with so many particles in a population.
+    fn decisions(&self, samples: u64, particles: u64) -> u64 {
+        let _ = particles;
+        samples
+    }
+
     /// Moves of each particle of a population.
     fn moves(&self) -> usize {
         0

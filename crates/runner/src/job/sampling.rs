@@ -14,7 +14,9 @@ use super::needs::{Asked, Need};
 use super::random::RandomInputSet;
 use super::sampling_key::is_true;
 use super::sampling_numbers::Effort;
-use super::sampling_spec::{AUDIT, Audit, EvaluateMode, FEW_PLAIN_SAMPLES, SamplingSpec};
+use super::sampling_spec::{
+    AUDIT, Audit, EvaluateMode, FEW_PLAIN_SAMPLES, LEAST_PLAIN_SAMPLES, MOST_PLAIN_SAMPLES, SamplingSpec,
+};
 
 /// Particles of a population.
 const PARTICLES: [u64; 2] = [50, 100_000];
@@ -46,10 +48,11 @@ impl Sampling {
             return None;
         }
         let has_maps = boundary == Boundary::Verdicts && method.map_use_with(spec.evaluate_mode()) != MapUse::Nothing;
-        // Whether 300 or 16 are usual does not depend on whether the spec says 300.
+        let samples = samples?;
+        // What is usual does not depend on what the spec says of it.
         let are_slow = others.is_some_and(|(_, model)| model.model().has_very_slow_samples());
-        let usual_audit = if are_slow && method.has_plain_samples() { FEW_PLAIN_SAMPLES } else { AUDIT };
-        let checked = Checked { confidence: confidence?, samples: samples?, audit: audit?, usual_audit, until: until? };
+        let usual_audit = spec.usual_audit(method, samples, are_slow);
+        let checked = Checked { confidence: confidence?, samples, audit: audit?, usual_audit, until: until? };
         let sampling = spec.resolved(method, has_maps, checked, cells);
         let sampling = complaints.take(sampling)?;
         let (inputs, model) = others?;
@@ -144,6 +147,18 @@ impl SamplingSpec {
             derivatives: is_true(&self.derivatives),
             sensitivity: is_true(&self.sensitivity),
         })
+    }
+
+    /// Samples that check the probability of a cell by default: with plain ones a tenth of the work that it takes itself,
+    /// where that is more than the fewest.
+    fn usual_audit(&self, method: &'static dyn Method, samples: u64, are_slow: bool) -> Audit {
+        if !method.has_plain_samples() {
+            return AUDIT;
+        }
+        let particles = self.particles.as_ref().map(|particles| *particles.get_ref()).or(method.particles());
+        let tenth = method.decisions(samples, particles.unwrap_or(1)) / 10;
+        let least = if are_slow { FEW_PLAIN_SAMPLES } else { LEAST_PLAIN_SAMPLES };
+        Audit::Samples(tenth.clamp(least, MOST_PLAIN_SAMPLES))
     }
 
     /// Particles of a population.

@@ -6,10 +6,16 @@ use serde::{Deserialize, Serialize};
 use toml::Spanned;
 
 /// Audited samples of each cell by default.
-pub const AUDIT: Audit = Audit::Samples(300);
+pub const AUDIT: Audit = Audit::Samples(LEAST_PLAIN_SAMPLES);
 
-/// Plain samples beside a probability by default where a sample takes long.
-pub const FEW_PLAIN_SAMPLES: Audit = Audit::Samples(16);
+/// The fewest plain samples beside a probability by default.
+pub const LEAST_PLAIN_SAMPLES: u64 = 300;
+
+/// The same where a sample takes long.
+pub const FEW_PLAIN_SAMPLES: u64 = 16;
+
+/// The most plain samples beside a probability by default.
+pub const MOST_PLAIN_SAMPLES: u64 = 1_000_000;
 
 /// Sampling of the random inputs.
 #[derive(Debug, Default, Deserialize, Serialize, JsonSchema)]
@@ -38,8 +44,9 @@ pub struct SamplingSpec {
     #[schemars(with = "Option<f64>", extend("default" = 0.95, "exclusiveMinimum" = 0, "exclusiveMaximum" = 1))]
     pub confidence: Option<Spanned<f64>>,
     /// Samples of each cell that check a probability, 0 or from 2 to 1e8: with a verdict map looked-up ones that are
-    /// simulated as well (with `evaluate = "boundary"` also as a share, 0.0 to 1.0), else plain ones (by default 16
-    /// where one takes more than some 10 ms).
+    /// simulated as well (with `evaluate = "boundary"` also as a share, 0.0 to 1.0), else plain ones (by default a tenth
+    /// of the samples that the probability comes from where that is more, and from 16 where one takes more than some 10
+    /// ms).
     #[schemars(with = "Option<Audit>", extend("default" = AUDIT))]
     pub audit: Option<Spanned<Audit>>,
     /// Independent randomisations that share the samples, at least 8 with `"importance"`; with `"subset"` independent

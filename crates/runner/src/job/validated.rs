@@ -171,10 +171,8 @@ impl Job {
 
     /// How many of them there are however long a sample takes, which is not known of a model without its files.
     pub fn certain_plain_samples(&self) -> u64 {
-        match FEW_PLAIN_SAMPLES {
-            Audit::Samples(few) if self.sampling.audit == self.sampling.usual_audit => self.plain_samples().min(few),
-            _ => self.plain_samples(),
-        }
+        let is_usual = self.sampling.audit == self.sampling.usual_audit;
+        if is_usual { self.plain_samples().min(FEW_PLAIN_SAMPLES) } else { self.plain_samples() }
     }
 
     /// Samples at a limit and at each end of its axis, decided the surest way there is: plain ones, or over a verdict map

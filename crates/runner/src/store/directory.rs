@@ -321,6 +321,14 @@ impl RunDirectory {
         Ok(tally)
     }
 
+    /// The samples that are counted, where the audits are those of the job too.
+    pub fn all_done(&self, job: &Job) -> Result<Tally, Failure> {
+        if job.has_audits() {
+            self.audits_done(job)?;
+        }
+        self.tally(job)
+    }
+
     /// The audits of integrals that are finished, by cell. Their sums are those of [`Lookups`].
     pub fn audits_done(&self, job: &Job) -> Result<Tally, Failure> {
         let parts = Parts::of_audits(job);
@@ -398,10 +406,10 @@ impl RunDirectory {
         let wanted = part.filter(|&part| unit.samples.end <= parts.max_samples(parts.place(part).1));
         wanted.ok_or_else(|| {
             let what = part.map_or("more samples".to_owned(), |_| format!("sample {}", unit.samples.end - 1));
+            let most = part.map_or(job.sampling.samples, |part| parts.max_samples(parts.place(part).1));
             Failure::Job(format!(
-                "{}: its pieces hold {what} of cell {cell}, but its job.toml has only {} samples; was it edited?",
-                self.path().display(),
-                job.sampling.samples
+                "{}: its pieces hold {what} of cell {cell}, but its job.toml has only {most} samples; was it edited?",
+                self.path().display()
             ))
         })
     }

@@ -90,7 +90,7 @@ fn a_given_number_of_plain_samples_is_taken_where_it_is_that_of_other_models_too
         job(&format!(
             "name = \"j\"\n[axes]\npreload = [0.05, 0.1]\n[random]\ninputs = [\"preload\", \"static_friction\"]\n\
              relative_std = 0.2\n[criterion]\nkind = \"time-domain\"\n{criterion}\n[sampling]\nmethod = \"importance\"\n\
-             samples = 1024\n{audit}\n"
+             samples = 160\n{audit}\n"
         ))
     };
     for (criterion, usual, other) in [("disc = \"flexible\"\ndisc_modes = 5", 16, 300), ("disc = \"rigid\"", 300, 16)] {
@@ -103,6 +103,38 @@ fn a_given_number_of_plain_samples_is_taken_where_it_is_that_of_other_models_too
         }
         assert_eq!(of(criterion, "audit = 0").plain_samples(), 0);
     }
+}
+
+#[test]
+fn plain_samples_are_a_tenth_of_what_a_probability_takes_itself_within_bounds() {
+    let of = |disc: &str, sampling: &str| {
+        let text = SOBOL.replace("kind = \"coupled-eigenvalue\"", disc);
+        let keys = text.split_once("method").unwrap().0;
+        job(&format!("{keys}{sampling}\n")).plain_samples()
+    };
+    let rigid = "kind = \"time-domain\"\ndisc = \"rigid\"";
+    let flexible = "kind = \"time-domain\"\ndisc = \"flexible\"\ndisc_modes = 5";
+    let importance = |samples: u64| format!("method = \"importance\"\nsamples = {samples}");
+    for (samples, [usual, slow]) in
+        [(160, [300, 16]), (2000, [300, 200]), (8192, [819, 819]), (1 << 30, [1_000_000, 1_000_000])]
+    {
+        assert_eq!([rigid, flexible].map(|disc| of(disc, &importance(samples))), [usual, slow], "{samples}");
+    }
+    // 16 populations of 1000 particles take at least 16,000 verdicts.
+    assert_eq!(of(rigid, "method = \"subset\""), 1600);
+    assert_eq!(of(rigid, "method = \"subset\"\nparticles = 100\nrandomisations = 8"), 300);
+    assert_eq!(of("kind = \"eigenvalue\"", "method = \"exact\""), 300);
+}
+
+/// Those of a probability, but not those that check verdicts looked up in a map: these decide what they estimate.
+#[test]
+fn runs_that_differ_in_plain_samples_share_their_samples() {
+    let importance = SOBOL.replace("\"sobol\"", "\"importance\"").replace("coupled-eigenvalue", "eigenvalue");
+    let audited = format!("{importance}audit = 5000\n");
+    assert_ne!(job(&importance).hash(), job(&audited).hash());
+    assert_eq!(job(&importance).experiment_hash(), job(&audited).experiment_hash());
+    let looked_up = MAPPED.replace("audit = 900", "audit = 5000");
+    assert_ne!(job(MAPPED).experiment_hash(), job(&looked_up).experiment_hash());
 }
 
 #[test]

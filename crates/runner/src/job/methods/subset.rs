@@ -50,6 +50,10 @@ impl Method for Subset {
         Some(1000)
     }
 
+    fn decisions(&self, samples: u64, particles: u64) -> u64 {
+        samples.saturating_mul(particles)
+    }
+
     fn moves(&self) -> usize {
         8
     }
