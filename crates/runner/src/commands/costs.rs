@@ -217,7 +217,8 @@ impl Stage<'_> {
     fn line(&self, trial: &SampleTrial, time: Time) -> String {
         let total = counted(self.job.total_samples(), "sample", "samples");
         let rate = rate(1.0 / trial.cost.unit.max(1e-12));
-        let measured = format!("{} on {} ({rate} samples/s on one, measured now)", time.prediction(), self.on());
+        let how = if trial.cost.fall.is_some() { "measured now, rising" } else { "measured now" };
+        let measured = format!("{} on {} ({rate} samples/s on one, {how})", time.prediction(), self.on());
         match trial.until_stop {
             Some(stop) => {
                 let expected = HumanCount((stop.samples * self.job.cells() as f64) as u64);

@@ -202,8 +202,17 @@ impl Job {
 
     /// The number by which a cell draws its deviates: its index without the axis of what of a sample counts.
     pub fn stream_of(&self, cell: u64) -> u64 {
-        let selects = self.model().quantities().iter().position(|quantity| quantity.only_selects);
-        selects.map_or(cell, |quantity| self.grid.index_without(quantity, cell))
+        self.selecting().map_or(cell, |quantity| self.grid.index_without(quantity, cell))
+    }
+
+    /// How many cells draw by the same number.
+    pub fn cells_of_a_stream(&self) -> u64 {
+        self.selecting().and_then(|quantity| self.grid.axis_of(quantity)).map_or(1, |axis| axis.values().len() as u64)
+    }
+
+    /// The quantity that selects what of a sample counts.
+    fn selecting(&self) -> Option<usize> {
+        self.model().quantities().iter().position(|quantity| quantity.only_selects)
     }
 
     /// Whether drawing and deciding a sample costs little more than its random numbers: only the pair

@@ -13,6 +13,22 @@ use crate::schedule::time_left::{Mean, Prediction};
 /// least: few units tell little of how much they differ.
 const OF_ONE: f64 = 1.0;
 
+/// The relative standard error of the mean cost that is small enough.
+pub const ENOUGH: f64 = 0.07;
+
+/// Fewest batches from which the error of their mean is known.
+pub const LEAST_BATCHES: u64 = 12;
+
+/// By how many standard errors later batches are cheaper than earlier ones where that is no chance.
+const CHEAPER: f64 = 1.5;
+
+/// The relative standard error of a time for which it is taken that units go on to become cheaper, over the logarithm of
+/// what is saved by that.
+const OF_THE_FALL: f64 = 0.3;
+
+/// No unit takes less than the cheapest one of so many batches.
+const LEAST_PART: usize = 10;
+
 /// A time in seconds, and its standard error.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Time {
@@ -72,6 +88,8 @@ pub struct UnitCost {
     pub unit: f64,
     /// Their relative standard error.
     pub error: f64,
+    /// How units become cheaper, where they do.
+    pub fall: Option<Fall>,
 }
 
 impl UnitCost {
@@ -85,19 +103,59 @@ impl UnitCost {
     /// the other.
     pub fn units(&self, units: f64, serial: f64, threads: usize) -> Time {
         let seconds = (units / threads as f64).max(units.min(serial)) * self.unit;
-        Time { seconds, error: seconds * self.error }
+        match self.fall.map(|fall| fall.of_units(units)) {
+            None => Time { seconds, error: seconds * self.error },
+            Some(Share { share, error }) => {
+                let seconds = seconds * share;
+                Time { seconds, error: seconds * self.error.hypot(error) }
+            }
+        }
+    }
+}
+
+/// Units that become cheaper the more of them were finished, as where what was found of some samples serves others: n of them
+/// take a time proportional to n^a, until one takes the least time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Fall {
+    /// How many were measured.
+    measured: f64,
+    /// The exponent a, below 1.
+    exponent: f64,
+    /// Its standard error.
+    error: f64,
+    /// The least time of a unit over the mean of those that were measured.
+    least: f64,
+}
+
+/// What units take over what they would if each took as long as those that were measured.
+#[derive(Debug, Clone, Copy)]
+struct Share {
+    share: f64,
+    /// The relative standard error.
+    error: f64,
+}
+
+impl Fall {
+    fn of_units(self, units: f64) -> Share {
+        let Self { measured, exponent, error, least } = self;
+        // Over the time of those that were measured: all until one takes the least time, and those after it.
+        let last = (least / exponent).powf(1.0 / (exponent - 1.0)).max(1.0);
+        let times = units / measured;
+        let share = (times.min(last).powf(exponent) + (times - last).max(0.0) * least) / times;
+        let of_exponent = error * times.min(last).ln();
+        Share { share, error: of_exponent.hypot(OF_THE_FALL * share.ln()) }
     }
 }
 
 /// Measured times of units of one kind.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Default)]
 pub struct Measured {
     first_set_up: Option<f64>,
     set_ups: Mean,
-    /// Of batches of units: seconds of a unit.
-    batches: Mean,
-    seconds: f64,
-    units: f64,
+    /// Seconds and units of each batch, in the order in which they were finished.
+    batches: Vec<[f64; 2]>,
+    /// Seconds of batches that were not finished.
+    unfinished: f64,
 }
 
 impl Measured {
@@ -111,41 +169,83 @@ impl Measured {
 
     /// A batch of units was finished.
     pub fn batch(&mut self, seconds: f64, units: f64) {
-        self.batches.add(seconds / units);
-        self.seconds += seconds;
-        self.units += units;
+        self.batches.push([seconds, units]);
     }
 
     /// Units were not finished in this time. It counts all the same: those that were finished are the quicker ones.
     pub fn unfinished(&mut self, seconds: f64) {
-        self.seconds += seconds;
+        self.unfinished += seconds;
     }
 
     /// The number of batches that were finished.
     pub fn batches(&self) -> u64 {
-        self.batches.count()
+        self.batches.len() as u64
     }
 
-    /// The relative standard error of the mean cost, from how much the batches differ.
-    pub fn relative_error(&self) -> f64 {
-        self.batches.relative_error()
+    /// How units become cheaper: where the later half of the batches is cheaper than the earlier one, and that is no chance.
+    fn fall(&self) -> Option<Fall> {
+        if self.batches() < 2 * LEAST_BATCHES {
+            return None;
+        }
+        let halves = self.batches.split_at(self.batches.len() / 2);
+        let [before, after] = [costs(halves.0), costs(halves.1)];
+        let [mean_before, mean_after] = [&before, &after].map(|costs| costs.sum() / costs.count() as f64);
+        let [error_before, error_after] = [&before, &after].map(Mean::relative_error);
+        let difference = mean_before - mean_after;
+        if difference.is_nan() || difference <= CHEAPER * (mean_before * error_before).hypot(mean_after * error_after) {
+            return None;
+        }
+        // Twice as many take 2^a times the time.
+        let ratio = mean_after / mean_before;
+        let mut all: Vec<f64> = self.batches.iter().map(|[seconds, units]| seconds / units).collect();
+        all.sort_by(f64::total_cmp);
+        Some(Fall {
+            measured: self.batches.iter().map(|[_, units]| units).sum(),
+            exponent: (1.0 + ratio).log2(),
+            error: error_before.hypot(error_after) * ratio / (1.0 + ratio) / std::f64::consts::LN_2,
+            least: all[all.len() / LEAST_PART] / (0.5 * (mean_before + mean_after)),
+        })
+    }
+
+    /// Whether units cost as much at the end as at the beginning, or more.
+    pub fn is_steady(&self) -> bool {
+        self.fall().is_none()
+    }
+
+    /// Whether what a unit costs is known well, from how much the batches differ.
+    pub fn is_certain(&self) -> bool {
+        self.batches() >= LEAST_BATCHES && costs(&self.batches).relative_error() <= ENOUGH
+    }
+
+    /// What a unit costs, where units become cheaper if they do; `None` if none was finished.
+    pub fn falling_cost(&self) -> Option<UnitCost> {
+        self.cost().map(|cost| UnitCost { fall: self.fall(), ..cost })
     }
 
     /// What a unit costs; `None` if none was finished.
     pub fn cost(&self) -> Option<UnitCost> {
-        if self.units <= 0.0 {
+        let [seconds, units] = [0, 1].map(|place| self.batches.iter().map(|batch| batch[place]).sum::<f64>());
+        if units <= 0.0 {
             return None;
         }
-        let scatter = Some(self.batches.relative_error()).filter(|error| error.is_finite()).unwrap_or(0.0);
+        let scatter = Some(costs(&self.batches).relative_error()).filter(|error| error.is_finite()).unwrap_or(0.0);
         let first_set_up = self.first_set_up.unwrap_or(0.0);
         // Where only the first one was measured, the others are taken to be like it.
         let set_up = match self.set_ups.count() {
             0 => first_set_up,
             count => self.set_ups.sum() / count as f64,
         };
-        let unit = self.seconds / self.units;
-        Some(UnitCost { first_set_up, set_up, unit, error: scatter.max(OF_ONE / self.batches.count() as f64) })
+        let unit = (seconds + self.unfinished) / units;
+        let error = scatter.max(OF_ONE / self.batches() as f64);
+        Some(UnitCost { first_set_up, set_up, unit, error, fall: None })
     }
+}
+
+/// Seconds of a unit in each batch.
+fn costs(batches: &[[f64; 2]]) -> Mean {
+    let mut costs = Mean::default();
+    batches.iter().for_each(|[seconds, units]| costs.add(seconds / units));
+    costs
 }
 
 #[cfg(test)]
@@ -196,6 +296,45 @@ mod tests {
         assert_eq!(measured.cost(), None);
         (0..10).for_each(|_| measured.batch(1.0, 1.0));
         assert!((measured.cost().unwrap().unit - 1.5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn units_that_become_cheaper_are_expected_to_go_on_so_until_they_take_the_least_time() {
+        // Of n units n^0.6 take 10 seconds, the others a tenth of one.
+        let dear = |units: u32| f64::from(units).powf(0.6).floor();
+        let taken = |units: u32| 10.0 * dear(units) + 0.1 * (f64::from(units) - dear(units));
+        let mut measured = Measured::default();
+        (0..400).for_each(|turn| measured.batch(taken(turn + 1) - taken(turn), 1.0));
+        assert!(!measured.is_steady());
+        let cost = measured.falling_cost().unwrap();
+        for units in [200, 400, 1000, 2000] {
+            let (time, expected) = (cost.units(f64::from(units), 1.0, 2), taken(units) / 2.0);
+            assert!((time.seconds / expected - 1.0).abs() < 0.1, "{time:?} {expected}");
+        }
+        // Far beyond what was measured they take the least time.
+        let [time, more] = [1e6, 2e6].map(|units| cost.units(units, 1.0, 1));
+        assert!(((more.seconds - time.seconds) / 1e5 - 1.0).abs() < 1e-9, "{time:?} {more:?}");
+        assert!(time.seconds > 1e5 && time.seconds < 1.2e5, "{time:?}");
+        // How much that saves says how uncertain it is.
+        let [near, far] = [400.0, 1e6].map(|units| cost.units(units, 1.0, 1)).map(|time| time.error / time.seconds);
+        assert!(near < 0.2 && far > 0.6, "{near} {far}");
+    }
+
+    #[test]
+    fn units_that_differ_by_chance_do_not_become_cheaper() {
+        let mut measured = Measured::default();
+        // A single dear one is in one of the halves.
+        (0..48).for_each(|turn| measured.batch(if turn == 5 { 50.0 } else { 1.0 }, 1.0));
+        assert_eq!((measured.is_steady(), measured.falling_cost()), (true, measured.cost()));
+        // Dearer ones at the end.
+        (0..48).for_each(|turn| measured.batch(if turn % 2 == 0 { 8.0 } else { 9.0 }, 1.0));
+        assert!(measured.is_steady());
+        // Few.
+        let mut few = Measured::default();
+        (0..2 * LEAST_BATCHES - 1).for_each(|turn| few.batch(if turn < LEAST_BATCHES { 8.0 } else { 1.0 }, 1.0));
+        assert!(few.is_steady());
+        few.batch(1.0, 1.0);
+        assert!(!few.is_steady());
     }
 
     #[test]

@@ -10,7 +10,7 @@ use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::schedule::cost::{Measured, UnitCost};
 use crate::schedule::engine::Engine;
-use crate::schedule::trial::{ENOUGH, LEAST_BATCHES, Limits, SHORTEST, Trial};
+use crate::schedule::trial::{Limits, SHORTEST, Trial};
 
 /// What a trial of tiles found.
 #[derive(Debug, Clone, Copy)]
@@ -68,8 +68,7 @@ impl Engine {
                 true => measured.batch(tried.seconds, 1.0),
                 false => measured.unfinished(tried.seconds),
             }
-            let is_certain = measured.batches() >= LEAST_BATCHES && measured.relative_error() <= ENOUGH;
-            if is_certain && started.elapsed() >= SHORTEST {
+            if measured.is_certain() && started.elapsed() >= SHORTEST {
                 is_enough.store(true, Ordering::Relaxed);
             }
         })?;

@@ -32,12 +32,17 @@ pub(super) struct Places<'e, 'j> {
     parts: Parts,
     /// Whether they are the audits of a job, plain samples beside its probabilities.
     are_audits: bool,
+    /// Cells whose samples are the same ones beside each other: what one of them finds serves all.
+    cells: Vec<u64>,
+    /// How many such cells there are of each sample.
+    alike: u64,
     order: Spread,
-    /// The number of parts that are tried.
+    /// The number of parts that are tried, of one of such cells.
     count: u64,
     /// The number of parts of a cell that are tried: with looks, those up to the first.
     of_a_cell: u64,
-    /// Largest number of samples of a part at once.
+    /// The number of samples of a part, and the largest one at once.
+    samples: u64,
     most: u64,
     /// Configurations that are set up.
     set_up: Mutex<HashSet<usize>>,
@@ -59,12 +64,12 @@ impl Twice {
 
 /// Samples that were tried.
 pub(super) struct Tried {
-    /// Seconds in which their configuration was set up, if it was not before.
-    pub(super) set_up: Option<f64>,
-    /// Seconds in which they were evaluated.
+    /// Seconds in which each configuration was set up that was not before.
+    pub(super) set_ups: Vec<f64>,
+    /// Seconds in which they were evaluated, in all cells that have them.
     pub(super) seconds: f64,
-    /// What they gave; `None` if they were stopped before.
-    pub(super) unit: Option<FinishedUnit>,
+    /// What they gave in each of these cells; `None` if they were stopped before.
+    pub(super) units: Option<Vec<FinishedUnit>>,
 }
 
 impl<'e, 'j> Places<'e, 'j> {
@@ -83,10 +88,14 @@ impl<'e, 'j> Places<'e, 'j> {
 
     fn new(evaluator: &'e Evaluator<'j>, parts: Parts, unit: u64, are_audits: bool) -> Self {
         let of_a_cell = if parts.are_sequential() { 1 } else { parts.of_a_cell() as u64 };
-        let count = parts.cells() * of_a_cell;
-        let most = parts.max_samples(0).min(unit).max(1);
+        let mut cells: Vec<u64> = (0..parts.cells()).collect();
+        cells.sort_by_key(|&cell| evaluator.job().stream_of(cell));
+        let alike = evaluator.job().cells_of_a_stream();
+        let count = parts.cells() / alike * of_a_cell;
+        let samples = parts.max_samples(0).max(1);
+        let most = samples.min(unit);
         let (order, set_up) = (Spread::over(count), Mutex::default());
-        Self { evaluator, parts, are_audits, order, count, of_a_cell, most, set_up }
+        Self { evaluator, parts, are_audits, cells, alike, order, count, of_a_cell, samples, most, set_up }
     }
 
     /// Largest number of samples of a part at once.
@@ -94,13 +103,20 @@ impl<'e, 'j> Places<'e, 'j> {
         self.most
     }
 
-    /// The samples of one turn: their part and range.
-    pub(super) fn at(&self, turn: u64, samples: u64) -> (u64, Range<u64>) {
+    /// The samples of one turn: their cells, their place among the parts of each, and their range.
+    fn of_turn(&self, turn: u64, samples: u64) -> (&[u64], u64, Range<u64>) {
         let place = self.order.at(turn % self.count).unwrap_or(0);
-        let part = self.parts.in_cell(place / self.of_a_cell).start + place % self.of_a_cell;
+        let first_cell = (place / self.of_a_cell * self.alike) as usize;
+        let cells = &self.cells[first_cell..first_cell + self.alike as usize];
         // Samples from anywhere in the part. Those of common random numbers are the same in all cells.
-        let first = ((turn as f64 * GOLDEN_SECTION).fract() * (self.most - samples + 1) as f64) as u64;
-        (part, first..first + samples)
+        let first = ((turn as f64 * GOLDEN_SECTION).fract() * (self.samples - samples + 1) as f64) as u64;
+        (cells, place % self.of_a_cell, first..first + samples)
+    }
+
+    /// The samples of one turn in the first of their cells: their part and range.
+    pub(super) fn at(&self, turn: u64, samples: u64) -> (u64, Range<u64>) {
+        let (cells, place, samples) = self.of_turn(turn, samples);
+        (self.parts.in_cell(cells[0]).start + place, samples)
     }
 
     fn count(&self, part: u64, samples: Range<u64>, is_stopped: IsStopped<'_>) -> Option<FinishedUnit> {
@@ -110,9 +126,9 @@ impl<'e, 'j> Places<'e, 'j> {
         }
     }
 
-    /// The cell of a turn.
+    /// The first cell of a turn.
     pub(super) fn cell(&self, turn: u64) -> u64 {
-        self.parts.place(self.at(turn, 1).0).0
+        self.of_turn(turn, 1).0[0]
     }
 
     /// Whether nothing was tried before in the configuration of a cell, which is kept once it is set up.
@@ -144,15 +160,21 @@ impl<'e, 'j> Places<'e, 'j> {
 
     /// Evaluates the samples of one turn.
     pub(super) fn tried(&self, turn: u64, samples: u64, is_stopped: IsStopped<'_>) -> Tried {
-        let cell = self.cell(turn);
-        let set_up = match self.is_first_in(cell) {
-            true => self.set_up_in(cell, is_stopped).map(Twice::set_up),
-            false => None,
-        };
-        let (part, samples) = self.at(turn, samples);
+        let (cells, place, samples) = self.of_turn(turn, samples);
+        let new = cells.iter().filter(|&&cell| self.is_first_in(cell));
+        let set_ups = new.filter_map(|&cell| self.set_up_in(cell, is_stopped).map(Twice::set_up)).collect();
         let begun = Instant::now();
-        let unit = self.count(part, samples, is_stopped);
-        Tried { set_up, seconds: begun.elapsed().as_secs_f64(), unit }
+        let units = cells.iter().map(|&cell| {
+            let part = self.parts.in_cell(cell).start + place;
+            self.count(part, samples.clone(), is_stopped)
+        });
+        let units = units.collect();
+        Tried { set_ups, seconds: begun.elapsed().as_secs_f64(), units }
+    }
+
+    /// How many cells the samples of a turn count in.
+    pub(super) fn alike(&self) -> u64 {
+        self.alike
     }
 
     /// How many samples take the time of a batch, and how long each took of those that were tried in the first place;
@@ -166,10 +188,10 @@ impl<'e, 'j> Places<'e, 'j> {
             for more in 0..TRIES {
                 // Always in the first place, where everything is set up.
                 let tried = self.tried(self.count * (TRIES * turn + more), samples, is_stopped);
-                if tried.unit.is_some() {
+                if tried.units.is_some() {
                     quickest = quickest.min(tried.seconds);
                 }
-                if tried.unit.is_none() || tried.seconds > BATCH.as_secs_f64() {
+                if tried.units.is_none() || tried.seconds > BATCH.as_secs_f64() {
                     break;
                 }
             }
@@ -187,5 +209,59 @@ impl<'e, 'j> Places<'e, 'j> {
         // Whole blocks are drawn fastest.
         let whole = |samples: u64| if samples > BLOCK_SAMPLES { samples - samples % BLOCK_SAMPLES } else { samples };
         found.map(|(samples, seconds)| (whole(samples), seconds))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::PathBuf;
+
+    use super::*;
+    use crate::job::JobSource;
+
+    const JOB: &str = r#"
+name = "places"
+[model]
+kind = "matrices"
+mass = { matrix = [[1, 0], [0, 1]] }
+damping = { matrix = [[0.01, 0], [0, 0.01]] }
+stiffness = [{ matrix = [[2, 1], [1, 2]] }, { matrix = [[0, -1], [0, 0]], factor = "friction" }]
+[model.parameters]
+friction = 0.7
+[axes]
+friction = [0.5, 0.7]
+[random]
+inputs = ["friction"]
+relative_std = 0.1
+[criterion]
+kind = "complex-eigenvalue"
+bands = [[0.01, 0.2], [0.2, 0.3]]
+[sampling]
+samples = 100_000
+"#;
+
+    /// Cells that differ by band alone have the same samples, which serve all of them in a run: so they do in a trial.
+    #[test]
+    fn samples_that_cells_share_are_tried_in_all_of_them_and_come_from_the_whole_job() {
+        let job = JobSource { path: PathBuf::from("job.toml"), text: JOB.to_owned() }.job().unwrap();
+        let evaluator = Evaluator::new(&job).unwrap();
+        let places = Places::of_samples(&evaluator);
+        // Two bands, and their union.
+        assert_eq!((job.cells(), places.alike()), (6, 3));
+        let streams = |turn| {
+            let (cells, place, _) = places.of_turn(turn, 10);
+            assert_eq!((cells.len(), place), (3, 0));
+            let streams: HashSet<u64> = cells.iter().map(|&cell| job.stream_of(cell)).collect();
+            assert_eq!(streams.len(), 1, "{cells:?}");
+            streams.into_iter().next().unwrap()
+        };
+        assert_ne!(streams(0), streams(1));
+        let firsts: HashSet<u64> = (0..100).map(|turn| places.of_turn(turn, 10).2.start / 1000).collect();
+        assert!(firsts.len() > 50, "{firsts:?}");
+        assert!((0..100).all(|turn| places.of_turn(turn, 10).2.end <= 100_000));
+        let tried = places.tried(1, 10, &|| false);
+        let units = tried.units.unwrap();
+        assert_eq!(units.iter().map(FinishedUnit::len).collect::<Vec<_>>(), [10; 3]);
+        assert_eq!(units.iter().map(|unit| unit.part).collect::<HashSet<u64>>().len(), 3);
     }
 }

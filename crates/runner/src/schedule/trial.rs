@@ -13,7 +13,7 @@ use crate::evaluate::rare_events::{populations, searches_per_sample};
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::job::Answer;
-use crate::schedule::cost::{Measured, Time, UnitCost, Unmeasured};
+use crate::schedule::cost::{ENOUGH, LEAST_BATCHES, Measured, Time, UnitCost, Unmeasured};
 use crate::schedule::engine::{Engine, Event, Link};
 use crate::schedule::places::{Places, Tried};
 use crate::schedule::spread::Spread;
@@ -28,12 +28,6 @@ const LAST_OF_ALL: Duration = Duration::from_millis(6500);
 
 /// Samples of rare events that are tried where they are placed.
 const PLACED_SAMPLES: u64 = 200;
-
-/// A trial ends when the relative standard error of the mean cost is this small.
-pub(super) const ENOUGH: f64 = 0.07;
-
-/// Fewest batches from which the error of their mean is known.
-pub(super) const LEAST_BATCHES: u64 = 12;
 
 /// The relative error of the cost in a stream if its rate was not measured for long.
 const FROM_FEW: f64 = 1.0;
@@ -159,7 +153,7 @@ impl Engine {
                 return Ok(Ok(trial(cost)));
             }
         }
-        Ok(measured.cost().map(trial).ok_or_else(|| limits.unmeasured(what)))
+        Ok(measured.falling_cost().map(trial).ok_or_else(|| limits.unmeasured(what)))
     }
 
     /// Measures the cost of the audits of a job, the plain samples beside its probabilities.
@@ -175,7 +169,8 @@ impl Engine {
                 measured.batch(twice.again, 1.0);
             }
         }
-        let found = measured.cost().map(|cost| SampleTrial { cost, serial: places.most(), ..SampleTrial::default() });
+        let found =
+            measured.falling_cost().map(|cost| SampleTrial { cost, serial: places.most(), ..SampleTrial::default() });
         Ok(found.ok_or_else(|| limits.unmeasured("sample")))
     }
 
@@ -202,20 +197,21 @@ impl Engine {
         let (mut ends, mut costs_to_stop) = (Mean::default(), Mean::default());
         self.on_every_thread(0, &Interrupt::unwatched(), work, |event| {
             let Event::Finished(tried) = event else { return Ok(()) };
-            tried.set_up.into_iter().for_each(|seconds| measured.set_up(seconds));
-            let Some(unit) = tried.unit else {
+            tried.set_ups.into_iter().for_each(|seconds| measured.set_up(seconds));
+            let Some(units) = tried.units else {
                 measured.unfinished(tried.seconds);
                 return Ok(());
             };
-            measured.batch(tried.seconds, samples as f64);
+            measured.batch(tried.seconds, (samples * places.alike()) as f64);
             if let Some(looks) = looks {
-                // Cells whose samples cost more may stop earlier or later.
-                let end = looks.expected_end(0, &unit.counts) as f64;
-                ends.add(end);
-                costs_to_stop.add(tried.seconds / samples as f64 * end);
+                for unit in units {
+                    // Cells whose samples cost more may stop earlier or later.
+                    let end = looks.expected_end(0, &unit.counts) as f64;
+                    ends.add(end);
+                    costs_to_stop.add(tried.seconds / (samples * places.alike()) as f64 * end);
+                }
             }
-            let is_certain = measured.batches() >= LEAST_BATCHES && measured.relative_error() <= ENOUGH;
-            if is_certain && started.elapsed() >= SHORTEST {
+            if measured.is_certain() && measured.is_steady() && started.elapsed() >= SHORTEST {
                 is_enough.store(true, Ordering::Relaxed);
             }
             Ok(())
