@@ -126,14 +126,22 @@ fn plain_samples_grow_with_the_samples_of_a_run() {
         place.run(&format!("submit {other}.toml --out grown")).refused(65, &[&said]);
     }
     std::fs::remove_file(place.path("grown/job.toml")).unwrap();
-    place.run("submit many-audited.toml --out grown").refused(65, &["sample 818 of cell 0", "only 400 samples"]);
+    place
+        .run("submit many-audited.toml --out grown")
+        .refused(65, &["sample 818 of cell 0", "audit hold", "only 400 plain samples"]);
     assert!(!place.path("grown/job.toml").exists());
     place.run("submit many.toml --out grown").done();
     place.write("grown/job.toml", "damaged");
     place.run("submit many-audited.toml --out grown").refused(74, &["grown/job.toml was damaged or edited"]);
     place.run("submit many.toml --out grown").done();
-    let apart = place.run("submit many-audited.toml --out whole-grown --apart").done();
-    assert!(apart.stderr.contains("whole-grown holds a run of another job; this one goes to"), "{}", apart.stderr);
+    // Beside it, each number of them has a place of its own, where it goes on with more samples.
+    place.write("other.toml", &of("samples = 2048\naudit = 500"));
+    for name in ["few-audited", "many-audited", "other"] {
+        let apart = place.run(&format!("submit {name}.toml --out whole-grown --apart")).done();
+        assert!(apart.stderr.contains("whole-grown holds a run of another job; this one goes to"), "{}", apart.stderr);
+    }
+    let all = std::fs::read_dir(place.path("")).unwrap().map(|entry| entry.unwrap().file_name());
+    assert_eq!(all.filter(|name| name.to_string_lossy().starts_with("whole-grown-")).count(), 2 + 1);
 }
 
 #[test]

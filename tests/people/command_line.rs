@@ -595,7 +595,7 @@ fn samples_that_the_job_does_not_ask_for_are_never_counted() {
     fs::remove_file(place.path("runs/odd/digests.json")).unwrap();
     place.write("runs/odd/job.toml", &surface_job("odd", 3, 500, 7));
     for words in ["status runs/odd", "resume runs/odd", "merge runs/odd"] {
-        place.run(words).refused(65, &["its pieces hold sample 999", "has only 500 samples"]);
+        place.run(words).refused(65, &["the pieces in shards hold sample 999", "has only 500 samples"]);
     }
     // Files of other programs are nobody's pieces.
     place.write("runs/odd/job.toml", &surface_job("odd", 3, 1000, 7));

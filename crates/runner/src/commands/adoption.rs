@@ -107,16 +107,13 @@ pub fn adopt(directory: &RunDirectory, source: &JobSource, job: Job) -> Result<(
 /// Whether a job can neither be that of a run nor extend it. With more samples it may have more plain ones beside its
 /// probabilities, as it has by default, but not fewer.
 fn is_another(existing: &Job, job: &Job) -> bool {
-    let has_fewer_plain_samples = || {
-        // Their usual number may not be known of a run without its files.
-        let is_usual = |job: &Job| job.sampling.audit == job.sampling.usual_audit;
-        !(is_usual(existing) && is_usual(job)) && job.plain_samples() < existing.plain_samples()
-    };
+    // Their usual number may not be known of a run without its files.
+    let have_the_same = || existing.extended_hash() == job.extended_hash();
     existing.experiment_hash() != job.experiment_hash()
         || match job.sampling.samples.cmp(&existing.sampling.samples) {
-            Ordering::Less => false,
+            Ordering::Less => !have_the_same(),
             Ordering::Equal => existing.hash() != job.hash(),
-            Ordering::Greater => has_fewer_plain_samples(),
+            Ordering::Greater => !have_the_same() && job.plain_samples() < existing.plain_samples(),
         }
 }
 
@@ -124,7 +121,7 @@ fn is_another(existing: &Job, job: &Job) -> bool {
 /// its name.
 pub fn apart(out: &Path, job: &Job) -> Result<RunDirectory, Failure> {
     let mut beside = out.as_os_str().to_owned();
-    beside.push(format!("-{}", &job.experiment_hash()[..8]));
+    beside.push(format!("-{}", &job.extended_hash()[..8]));
     let beside = PathBuf::from(beside);
     if !beside.join(JOB).exists()
         && let Some(directory) = unless_of_another(out, job)?

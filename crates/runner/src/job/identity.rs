@@ -28,15 +28,25 @@ impl Job {
     /// Identifies the job but for the number of samples, and of plain ones beside a probability: runs that agree in it
     /// share their samples.
     pub fn experiment_hash(&self) -> String {
-        let mut experiment = self.experiment();
-        experiment.sampling.samples = None;
+        let mut experiment = self.without_samples();
         if self.sampling.method.has_plain_samples() {
             experiment.sampling.audit = None;
         }
+        hashed("job", &experiment)
+    }
+
+    /// The same with a given number of plain samples: runs that agree in it can be extended by one another.
+    pub fn extended_hash(&self) -> String {
+        hashed("job", &self.without_samples())
+    }
+
+    fn without_samples(&self) -> JobSpec {
+        let mut experiment = self.experiment();
+        experiment.sampling.samples = None;
         if let Some(until) = &mut experiment.sampling.until {
             until.get_mut().at_most = Some(0);
         }
-        hashed("job", &experiment)
+        experiment
     }
 
     /// What the job computes, whatever it is called.

@@ -107,7 +107,7 @@ impl UnitCost {
             None => Time { seconds, error: seconds * self.error },
             Some(Share { share, error }) => {
                 let seconds = seconds * share;
-                Time { seconds, error: seconds * self.error.hypot(error) }
+                Time { seconds, error: seconds * libm::hypot(self.error, error) }
             }
         }
     }
@@ -139,11 +139,11 @@ impl Fall {
     fn of_units(self, units: f64) -> Share {
         let Self { measured, exponent, error, least } = self;
         // Over the time of those that were measured: all until one takes the least time, and those after it.
-        let last = (least / exponent).powf(1.0 / (exponent - 1.0)).max(1.0);
+        let last = libm::pow(least / exponent, 1.0 / (exponent - 1.0)).max(1.0);
         let times = units / measured;
-        let share = (times.min(last).powf(exponent) + (times - last).max(0.0) * least) / times;
-        let of_exponent = error * times.min(last).ln();
-        Share { share, error: of_exponent.hypot(OF_THE_FALL * share.ln()) }
+        let share = (libm::pow(times.min(last), exponent) + (times - last).max(0.0) * least) / times;
+        let of_exponent = error * libm::log(times.min(last));
+        Share { share, error: libm::hypot(of_exponent, OF_THE_FALL * libm::log(share)) }
     }
 }
 
@@ -192,7 +192,9 @@ impl Measured {
         let [mean_before, mean_after] = [&before, &after].map(|costs| costs.sum() / costs.count() as f64);
         let [error_before, error_after] = [&before, &after].map(Mean::relative_error);
         let difference = mean_before - mean_after;
-        if difference.is_nan() || difference <= CHEAPER * (mean_before * error_before).hypot(mean_after * error_after) {
+        if difference.is_nan()
+            || difference <= CHEAPER * libm::hypot(mean_before * error_before, mean_after * error_after)
+        {
             return None;
         }
         // Twice as many take 2^a times the time.
@@ -201,8 +203,8 @@ impl Measured {
         all.sort_by(f64::total_cmp);
         Some(Fall {
             measured: self.batches.iter().map(|[_, units]| units).sum(),
-            exponent: (1.0 + ratio).log2(),
-            error: error_before.hypot(error_after) * ratio / (1.0 + ratio) / std::f64::consts::LN_2,
+            exponent: libm::log2(1.0 + ratio),
+            error: libm::hypot(error_before, error_after) * ratio / (1.0 + ratio) / std::f64::consts::LN_2,
             least: all[all.len() / LEAST_PART] / (0.5 * (mean_before + mean_after)),
         })
     }
@@ -301,7 +303,7 @@ mod tests {
     #[test]
     fn units_that_become_cheaper_are_expected_to_go_on_so_until_they_take_the_least_time() {
         // Of n units n^0.6 take 10 seconds, the others a tenth of one.
-        let dear = |units: u32| f64::from(units).powf(0.6).floor();
+        let dear = |units: u32| libm::pow(f64::from(units), 0.6).floor();
         let taken = |units: u32| 10.0 * dear(units) + 0.1 * (f64::from(units) - dear(units));
         let mut measured = Measured::default();
         (0..400).for_each(|turn| measured.batch(taken(turn + 1) - taken(turn), 1.0));

@@ -360,7 +360,7 @@ impl RunDirectory {
         let mut tally = Tally::new(parts);
         let read = |take: &mut dyn FnMut(FinishedUnit)| {
             let found = piece::read_all(pieces, &experiment, wrong, &mut |unit| {
-                take(FinishedUnit { part: self.part_of(&unit, job, parts)?, ..unit });
+                take(FinishedUnit { part: self.part_of(&unit, job, parts, pieces)?, ..unit });
                 Ok(())
             })?;
             // Pieces may be read again.
@@ -401,15 +401,21 @@ impl RunDirectory {
     ///
     /// # Errors
     /// Samples that the job does not have.
-    fn part_of(&self, unit: &FinishedUnit, job: &Job, parts: &Parts) -> Result<u64, Failure> {
+    fn part_of(&self, unit: &FinishedUnit, job: &Job, parts: &Parts, pieces: &Folder) -> Result<u64, Failure> {
         let (cell, part) = parts.locate_stored(unit.part);
         let wanted = part.filter(|&part| unit.samples.end <= parts.max_samples(parts.place(part).1));
         wanted.ok_or_else(|| {
             let what = part.map_or("more samples".to_owned(), |_| format!("sample {}", unit.samples.end - 1));
             let most = part.map_or(job.sampling.samples, |part| parts.max_samples(parts.place(part).1));
+            let samples = match (pieces.path().ends_with(AUDITS), parts.of_a_cell()) {
+                (true, _) => "plain samples".to_owned(),
+                (false, 1) => "samples".to_owned(),
+                (false, count) => format!("samples in each of {count} parts of it"),
+            };
             Failure::Job(format!(
-                "{}: its pieces hold {what} of cell {cell}, but its job.toml has only {most} samples; was it edited?",
-                self.path().display()
+                "{}: the pieces in {} hold {what} of cell {cell}, but its job.toml has only {most} {samples}; was it edited?",
+                self.path().display(),
+                pieces.path().file_name().unwrap_or_default().display()
             ))
         })
     }

@@ -30,7 +30,11 @@ fn dependence(first: &Job, second: &Job) -> (Dependence, Option<String>) {
     let independent = |why: String| (Dependence::Independent, Some(why));
     // Their samples stand for other inputs, and have probabilities in place of verdicts.
     if [first, second].iter().all(|job| job.answer() == Answer::Probability) && a.seed == b.seed {
-        return (Dependence::Dependent, Some(format!("they integrate over {}", names_of_pair(first.model()))));
+        let over = match first.integrated() {
+            Some(place) => first.quantity(place).name.to_string(),
+            None => names_of_pair(first.model()),
+        };
+        return (Dependence::Dependent, Some(format!("they integrate over {over}")));
     }
     if [first, second].iter().all(|job| job.answer().is_of_rare_events()) && a.seed == b.seed {
         return (Dependence::Dependent, Some("their samples have weights".to_owned()));
