@@ -128,8 +128,10 @@ fn plain_samples_grow_with_the_samples_of_a_run() {
     std::fs::remove_file(place.path("grown/job.toml")).unwrap();
     place
         .run("submit many-audited.toml --out grown")
-        .refused(65, &["sample 818 of cell 0", "audit hold", "only 400 plain samples"]);
+        .refused(65, &["sample 818 of cell 0", "audit hold", "the job has only 400 plain samples"]);
     assert!(!place.path("grown/job.toml").exists());
+    place.write("none.toml", &of("samples = 8192\naudit = 0"));
+    place.run("submit none.toml --out grown").refused(65, &["audit hold", "the job has only 0 plain samples"]);
     place.run("submit many.toml --out grown").done();
     place.write("grown/job.toml", "damaged");
     place.run("submit many-audited.toml --out grown").refused(74, &["grown/job.toml was damaged or edited"]);
@@ -140,8 +142,14 @@ fn plain_samples_grow_with_the_samples_of_a_run() {
         let apart = place.run(&format!("submit {name}.toml --out whole-grown --apart")).done();
         assert!(apart.stderr.contains("whole-grown holds a run of another job; this one goes to"), "{}", apart.stderr);
     }
-    let all = std::fs::read_dir(place.path("")).unwrap().map(|entry| entry.unwrap().file_name());
-    assert_eq!(all.filter(|name| name.to_string_lossy().starts_with("whole-grown-")).count(), 2 + 1);
+    let all = std::fs::read_dir(place.path("")).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
+    let beside = all.filter(|name| name.starts_with("whole-grown-") && name != "whole-grown-audited");
+    let mut found: Vec<[f64; 2]> = beside
+        .map(|run| Table::read(&place.path(&run).join("surface.parquet")))
+        .map(|table| ["n_samples", "n_audit"].map(|name| table.column(name)[0]))
+        .collect();
+    found.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    assert_eq!(found, [[2048.0, 500.0], [8192.0, 400.0]]);
 }
 
 #[test]

@@ -595,7 +595,7 @@ fn samples_that_the_job_does_not_ask_for_are_never_counted() {
     fs::remove_file(place.path("runs/odd/digests.json")).unwrap();
     place.write("runs/odd/job.toml", &surface_job("odd", 3, 500, 7));
     for words in ["status runs/odd", "resume runs/odd", "merge runs/odd"] {
-        place.run(words).refused(65, &["the pieces in shards hold sample 999", "has only 500 samples"]);
+        place.run(words).refused(65, &["the pieces in shards hold sample 999", "the job has only 500 samples"]);
     }
     // Files of other programs are nobody's pieces.
     place.write("runs/odd/job.toml", &surface_job("odd", 3, 1000, 7));
@@ -617,7 +617,7 @@ fn pieces_without_their_job_are_used_if_they_are_of_this_one_and_refused_otherwi
     strip();
     place.run("submit job.toml --seed 8").refused(65, &["belongs to another job", "--out"]);
     assert!(!place.path("runs/bare/job.toml").exists(), "nothing is written into a refused directory");
-    place.run("submit job.toml --samples 500").refused(65, &["has only 500 samples"]);
+    place.run("submit job.toml --samples 500").refused(65, &["the job has only 500 samples"]);
     let outcome = place.run("submit job.toml").done();
     assert!(!outcome.stderr.contains("samples in"), "nothing is computed twice: {}", outcome.stderr);
     assert_eq!(place.surface("runs/bare"), before);

@@ -52,7 +52,7 @@ pub fn adopt(directory: &RunDirectory, source: &JobSource, job: Job) -> Result<(
     if directory.job_source()?.is_none() {
         // There may be pieces without a job.toml, if somebody removed it. Those of this job count; others are refused
         // before anything is written. Meanwhile, another shard may have frozen the job.
-        let tally = directory.all_done(&job);
+        let tally = directory.tally_with_audits(&job);
         if directory.job_source()?.is_none() {
             let tally = tally?;
             if directory.freeze_first(source, &job)? {
@@ -108,7 +108,7 @@ pub fn adopt(directory: &RunDirectory, source: &JobSource, job: Job) -> Result<(
 /// probabilities, as it has by default, but not fewer.
 fn is_another(existing: &Job, job: &Job) -> bool {
     // Their usual number may not be known of a run without its files.
-    let have_the_same = || existing.extended_hash() == job.extended_hash();
+    let have_the_same = || existing.extension_hash() == job.extension_hash();
     existing.experiment_hash() != job.experiment_hash()
         || match job.sampling.samples.cmp(&existing.sampling.samples) {
             Ordering::Less => !have_the_same(),
@@ -121,7 +121,7 @@ fn is_another(existing: &Job, job: &Job) -> bool {
 /// its name.
 pub fn apart(out: &Path, job: &Job) -> Result<RunDirectory, Failure> {
     let mut beside = out.as_os_str().to_owned();
-    beside.push(format!("-{}", &job.extended_hash()[..8]));
+    beside.push(format!("-{}", &job.extension_hash()[..8]));
     let beside = PathBuf::from(beside);
     if !beside.join(JOB).exists()
         && let Some(directory) = unless_of_another(out, job)?

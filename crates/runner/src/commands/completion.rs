@@ -85,7 +85,7 @@ pub fn complete_run(
     let directory = RunDirectory::create(out, Access::Alone, AN_INSTANT)?;
     // A run that was extended has the samples of this job and more.
     if let Some(existing) = directory.job_source()?.map(|frozen| frozen.job()).transpose()?
-        && existing.experiment_hash() == job.experiment_hash()
+        && existing.extension_hash() == job.extension_hash()
         && existing.sampling.samples > job.sampling.samples
     {
         let tally = directory.tally(&existing)?;

@@ -104,7 +104,7 @@ impl Stage<'_> {
         };
         let set_up = self.preparation + trial.cost.set_ups(evaluator.set_ups(), self.threads);
         let time = Time::known(set_up) + self.time_of(&trial) + beside;
-        let (limits, line) = self.limits(trial.time(self.job.sampling.samples, 1, 1));
+        let (limits, line) = self.limits(trial.time(self.job.sampling.samples, 1, 1), beside);
         let text = format!("# {}\n{line}", self.line(&trial, time));
         Ok(Cost::known(text, time + limits, set_up, Some([trial.cost.unit, trial.cost.error])))
     }
@@ -121,7 +121,7 @@ impl Stage<'_> {
         };
         let set_up = self.preparation + set_ups;
         let time = Time::known(set_up) + trial.cost.units(trial.integrals as f64, 1.0, self.threads) + beside;
-        let (limits, line) = self.limits(trial.cost.units(1.0, 1.0, 1));
+        let (limits, line) = self.limits(trial.cost.units(1.0, 1.0, 1), beside);
         let text = format!("# {}, {} on {}\n{line}", no_samples(self.job), time.prediction(), self.on());
         Ok(Cost::known(text, time + limits, set_up, None))
     }
@@ -189,8 +189,9 @@ impl Stage<'_> {
         Ok(trial.map(time))
     }
 
-    /// How long the limits take that the job asks for, where a cell takes this time on one thread, and a line that says so.
-    fn limits(&self, cell: Time) -> (Time, String) {
+    /// How long the limits take that the job asks for, where a cell takes this time on one thread, and a line that says so. Each
+    /// limit and each end of its axis has as many plain samples as a cell, those of all of which take the time `beside`.
+    fn limits(&self, cell: Time, beside: Time) -> (Time, String) {
         let (job, none) = (self.job, (Time::default(), String::new()));
         let Some(request) = &job.limit else { return none };
         let Ok(axis) = LimitAxis::named(job, &request.of) else { return none };
@@ -199,7 +200,9 @@ impl Stage<'_> {
         // A thread searches a whole combination.
         let of_a_thread = combinations.div_ceil(self.threads) as f64;
         let cells = of_a_thread * expected_estimates(job, &axis, method, request.targets.len());
-        let time = Time { seconds: cells * cell.seconds, error: cells * cell.error };
+        let places = combinations as f64 * (request.targets.len() + 2) as f64 / job.cells() as f64;
+        let time = Time { seconds: cells * cell.seconds, error: cells * cell.error }
+            + Time { seconds: places * beside.seconds, error: places * beside.error };
         let what = counted(combinations as u128, "combination", "combinations");
         let line = format!("# {} more for the limits of {} in {what}\n", time.prediction(), request.of);
         (time, line)

@@ -433,8 +433,7 @@ impl Check<'_> {
     }
 }
 
-/// Whether the audits of a job, or its plain samples, are all there: at least those that are certain, which come together with
-/// the others where there are more.
+/// Whether the audits of a job, or its plain samples, are all there: at least those that there are however long one takes.
 fn are_audited(job: &Job, audits: &Tally) -> bool {
     match job.model.unread() {
         None => Parts::of_audits(job).are_complete(audits),

@@ -35,8 +35,9 @@ impl Job {
         hashed("job", &experiment)
     }
 
-    /// The same with a given number of plain samples: runs that agree in it can be extended by one another.
-    pub fn extended_hash(&self) -> String {
+    /// The same with the number of plain samples where it is not the usual one: runs that agree in it can be extended by one
+    /// another.
+    pub fn extension_hash(&self) -> String {
         hashed("job", &self.without_samples())
     }
 

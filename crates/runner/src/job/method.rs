@@ -10,7 +10,10 @@ use super::diagnosis::Complaint;
 use super::needs::Need;
 use super::sampling_key::Key;
 use super::sampling_numbers::Effort;
-use super::sampling_spec::{Audit, EvaluateMode, IntervalSpec, SamplingMethod, SamplingSpec};
+use super::sampling_spec::{
+    Audit, EvaluateMode, FEW_PLAIN_SAMPLES, IntervalSpec, LEAST_PLAIN_SAMPLES, MOST_PLAIN_SAMPLES, SamplingMethod,
+    SamplingSpec,
+};
 use crate::output::counted;
 
 /// What a method returns for a sample.
@@ -182,6 +185,13 @@ impl dyn Method + '_ {
     /// samples are looked up.
     pub fn has_plain_samples(&self) -> bool {
         self.answer() != Answer::Verdict && self.map_use() == MapUse::Nothing
+    }
+
+    /// How many plain samples check the probability of a cell by default: a tenth of the work that it takes itself, where
+    /// that is more than the fewest.
+    pub fn usual_plain_samples(&self, samples: u64, particles: Option<u64>, are_slow: bool) -> u64 {
+        let least = if are_slow { FEW_PLAIN_SAMPLES } else { LEAST_PLAIN_SAMPLES };
+        (self.decisions(samples, particles.unwrap_or(1)) / 10).clamp(least, MOST_PLAIN_SAMPLES)
     }
 
     /// Whether a key of `[sampling]` has a meaning with it.

@@ -14,9 +14,7 @@ use super::needs::{Asked, Need};
 use super::random::RandomInputSet;
 use super::sampling_key::is_true;
 use super::sampling_numbers::Effort;
-use super::sampling_spec::{
-    AUDIT, Audit, EvaluateMode, FEW_PLAIN_SAMPLES, LEAST_PLAIN_SAMPLES, MOST_PLAIN_SAMPLES, SamplingSpec,
-};
+use super::sampling_spec::{AUDIT, Audit, EvaluateMode, SamplingSpec};
 
 /// Particles of a population.
 const PARTICLES: [u64; 2] = [50, 100_000];
@@ -149,16 +147,13 @@ impl SamplingSpec {
         })
     }
 
-    /// Samples that check the probability of a cell by default: with plain ones a tenth of the work that it takes itself,
-    /// where that is more than the fewest.
+    /// Samples that check the probability of a cell by default.
     fn usual_audit(&self, method: &'static dyn Method, samples: u64, are_slow: bool) -> Audit {
         if !method.has_plain_samples() {
             return AUDIT;
         }
         let particles = self.particles.as_ref().map(|particles| *particles.get_ref()).or(method.particles());
-        let tenth = method.decisions(samples, particles.unwrap_or(1)) / 10;
-        let least = if are_slow { FEW_PLAIN_SAMPLES } else { LEAST_PLAIN_SAMPLES };
-        Audit::Samples(tenth.clamp(least, MOST_PLAIN_SAMPLES))
+        Audit::Samples(method.usual_plain_samples(samples, particles, are_slow))
     }
 
     /// Particles of a population.

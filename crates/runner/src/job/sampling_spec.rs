@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use toml::Spanned;
 
 /// Audited samples of each cell by default.
-pub const AUDIT: Audit = Audit::Samples(LEAST_PLAIN_SAMPLES);
+pub const AUDIT: Audit = Audit::Samples(300);
 
 /// The fewest plain samples beside a probability by default.
 pub const LEAST_PLAIN_SAMPLES: u64 = 300;
@@ -45,8 +45,8 @@ pub struct SamplingSpec {
     pub confidence: Option<Spanned<f64>>,
     /// Samples of each cell that check a probability, 0 or from 2 to 1e8: with a verdict map looked-up ones that are
     /// simulated as well (with `evaluate = "boundary"` also as a share, 0.0 to 1.0), else plain ones (by default a tenth
-    /// of the samples that the probability comes from where that is more, and from 16 where one takes more than some 10
-    /// ms).
+    /// of the samples that the probability comes from, at least 300, or 16 where one takes more than some 10 ms, and at
+    /// most a million).
     #[schemars(with = "Option<Audit>", extend("default" = AUDIT))]
     pub audit: Option<Spanned<Audit>>,
     /// Independent randomisations that share the samples, at least 8 with `"importance"`; with `"subset"` independent

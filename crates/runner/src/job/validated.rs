@@ -20,7 +20,7 @@ use super::model::{JobModel, OutsidePhysics};
 use super::random::RandomInputSet;
 use super::reduction::Reduction;
 use super::sampling_numbers::Effort;
-use super::sampling_spec::{Audit, FEW_PLAIN_SAMPLES};
+use super::sampling_spec::Audit;
 use crate::failure::Failure;
 
 /// Largest number of verdict maps.
@@ -171,8 +171,11 @@ impl Job {
 
     /// How many of them there are however long a sample takes, which is not known of a model without its files.
     pub fn certain_plain_samples(&self) -> u64 {
-        let is_usual = self.sampling.audit == self.sampling.usual_audit;
-        if is_usual { self.plain_samples().min(FEW_PLAIN_SAMPLES) } else { self.plain_samples() }
+        let Sampling { method, samples, particles, .. } = self.sampling;
+        if self.sampling.audit != self.sampling.usual_audit {
+            return self.plain_samples();
+        }
+        self.plain_samples().min(method.usual_plain_samples(samples, particles, true))
     }
 
     /// Samples at a limit and at each end of its axis, decided the surest way there is: plain ones, or over a verdict map

@@ -19,15 +19,19 @@ pub const ENOUGH: f64 = 0.07;
 /// Fewest batches from which the error of their mean is known.
 pub const LEAST_BATCHES: u64 = 12;
 
-/// By how many standard errors later batches are cheaper than earlier ones where that is no chance.
+/// By how many standard errors later batches are cheaper than earlier ones where that is no chance, and by more than a cost has
+/// to be known.
 const CHEAPER: f64 = 1.5;
 
-/// The relative standard error of a time for which it is taken that units go on to become cheaper, over the logarithm of
-/// what is saved by that.
+/// Units are expected to go on to become cheaper: the relative standard error of their time is this times the logarithm of the
+/// factor by which it falls for that.
 const OF_THE_FALL: f64 = 0.3;
 
-/// No unit takes less than the cheapest one of so many batches.
+/// The least time of a unit is taken to be that of the cheapest of so many batches.
 const LEAST_PART: usize = 10;
+
+/// Of more batches it is asked once in so many whether they are enough.
+const OFTEN: u64 = 64;
 
 /// A time in seconds, and its standard error.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -127,7 +131,7 @@ pub struct Fall {
     least: f64,
 }
 
-/// What units take over what they would if each took as long as those that were measured.
+/// The time of units over what they would take if each took as long as those that were measured.
 #[derive(Debug, Clone, Copy)]
 struct Share {
     share: f64,
@@ -143,7 +147,8 @@ impl Fall {
         let times = units / measured;
         let share = (libm::pow(times.min(last), exponent) + (times - last).max(0.0) * least) / times;
         let of_exponent = error * libm::log(times.min(last));
-        Share { share, error: libm::hypot(of_exponent, OF_THE_FALL * libm::log(share)) }
+        // It is known no less than a time that was measured once.
+        Share { share, error: libm::hypot(of_exponent, OF_THE_FALL * libm::log(share)).min(OF_ONE) }
     }
 }
 
@@ -192,9 +197,9 @@ impl Measured {
         let [mean_before, mean_after] = [&before, &after].map(|costs| costs.sum() / costs.count() as f64);
         let [error_before, error_after] = [&before, &after].map(Mean::relative_error);
         let difference = mean_before - mean_after;
-        if difference.is_nan()
-            || difference <= CHEAPER * libm::hypot(mean_before * error_before, mean_after * error_after)
-        {
+        let chance = CHEAPER * libm::hypot(mean_before * error_before, mean_after * error_after);
+        let is_known = difference.is_finite() && chance.is_finite();
+        if !is_known || difference <= chance.max(ENOUGH * mean_before) {
             return None;
         }
         // Twice as many take 2^a times the time.
@@ -217,6 +222,12 @@ impl Measured {
     /// Whether what a unit costs is known well, from how much the batches differ.
     pub fn is_certain(&self) -> bool {
         self.batches() >= LEAST_BATCHES && costs(&self.batches).relative_error() <= ENOUGH
+    }
+
+    /// Whether what a unit costs is known well enough for a trial to end.
+    pub fn is_settled(&self) -> bool {
+        let is_asked = self.batches() < OFTEN || self.batches().is_multiple_of(OFTEN);
+        is_asked && self.is_certain() && self.is_steady()
     }
 
     /// What a unit costs, where units become cheaper if they do; `None` if none was finished.
@@ -316,7 +327,7 @@ mod tests {
         // Far beyond what was measured they take the least time.
         let [time, more] = [1e6, 2e6].map(|units| cost.units(units, 1.0, 1));
         assert!(((more.seconds - time.seconds) / 1e5 - 1.0).abs() < 1e-9, "{time:?} {more:?}");
-        assert!(time.seconds > 1e5 && time.seconds < 1.2e5, "{time:?}");
+        assert!((time.seconds / taken(1_000_000) - 1.0).abs() < time.error / time.seconds, "{time:?}");
         // How much that saves says how uncertain it is.
         let [near, far] = [400.0, 1e6].map(|units| cost.units(units, 1.0, 1)).map(|time| time.error / time.seconds);
         assert!(near < 0.2 && far > 0.6, "{near} {far}");
@@ -331,6 +342,17 @@ mod tests {
         // Dearer ones at the end.
         (0..48).for_each(|turn| measured.batch(if turn % 2 == 0 { 8.0 } else { 9.0 }, 1.0));
         assert!(measured.is_steady());
+        // By a little, with thousands of batches.
+        let mut little = Measured::default();
+        (0..10_000).for_each(|turn| little.batch(if turn < 5000 { 1.0 } else { 0.96 }, 1.0));
+        assert!(little.is_steady());
+        // Without any time, by a coarse clock.
+        for [before, after] in [[0.0, 0.0], [0.0, 1.0], [1.0, 0.0]] {
+            let mut coarse = Measured::default();
+            (0..48).for_each(|turn| coarse.batch(if turn < 24 { before } else { after }, 1.0));
+            let time = coarse.falling_cost().unwrap().units(1e6, 1.0, 1);
+            assert!(time.seconds.is_finite() && time.error.is_finite(), "{before} {after} {time:?}");
+        }
         // Few.
         let mut few = Measured::default();
         (0..2 * LEAST_BATCHES - 1).for_each(|turn| few.batch(if turn < LEAST_BATCHES { 8.0 } else { 1.0 }, 1.0));

@@ -68,7 +68,7 @@ impl Engine {
                 true => measured.batch(tried.seconds, 1.0),
                 false => measured.unfinished(tried.seconds),
             }
-            if measured.is_certain() && started.elapsed() >= SHORTEST {
+            if started.elapsed() >= SHORTEST && measured.is_certain() {
                 is_enough.store(true, Ordering::Relaxed);
             }
         })?;

@@ -89,8 +89,10 @@ impl<'e, 'j> Places<'e, 'j> {
     fn new(evaluator: &'e Evaluator<'j>, parts: Parts, unit: u64, are_audits: bool) -> Self {
         let of_a_cell = if parts.are_sequential() { 1 } else { parts.of_a_cell() as u64 };
         let mut cells: Vec<u64> = (0..parts.cells()).collect();
-        cells.sort_by_key(|&cell| evaluator.job().stream_of(cell));
         let alike = evaluator.job().cells_of_a_stream();
+        if alike > 1 {
+            cells.sort_by_cached_key(|&cell| evaluator.job().stream_of(cell));
+        }
         let count = parts.cells() / alike * of_a_cell;
         let samples = parts.max_samples(0).max(1);
         let most = samples.min(unit);
@@ -177,8 +179,8 @@ impl<'e, 'j> Places<'e, 'j> {
         self.alike
     }
 
-    /// How many samples take the time of a batch, and how long each took of those that were tried in the first place;
-    /// `None` if not even one was finished.
+    /// How many samples take the time of a batch, and how long each took, in all its cells, of those that were tried in the
+    /// first place; `None` if not even one was finished.
     pub(super) fn samples_of_a_batch(&self, is_stopped: IsStopped<'_>) -> Option<(u64, f64)> {
         let mut found = None;
         let mut samples = 1;

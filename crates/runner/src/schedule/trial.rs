@@ -204,20 +204,19 @@ impl Engine {
             };
             measured.batch(tried.seconds, (samples * places.alike()) as f64);
             if let Some(looks) = looks {
-                for unit in units {
-                    // Cells whose samples cost more may stop earlier or later.
-                    let end = looks.expected_end(0, &unit.counts) as f64;
-                    ends.add(end);
-                    costs_to_stop.add(tried.seconds / (samples * places.alike()) as f64 * end);
-                }
+                // Cells whose samples cost more may stop earlier or later. Those that share them are one measurement.
+                let ends_of_all = units.iter().map(|unit| looks.expected_end(0, &unit.counts) as f64);
+                let end = ends_of_all.sum::<f64>() / units.len() as f64;
+                ends.add(end);
+                costs_to_stop.add(tried.seconds / (samples * places.alike()) as f64 * end);
             }
-            if measured.is_certain() && measured.is_steady() && started.elapsed() >= SHORTEST {
+            if started.elapsed() >= SHORTEST && measured.is_settled() {
                 is_enough.store(true, Ordering::Relaxed);
             }
             Ok(())
         })?;
         if measured.batches() == 0 {
-            measured.batch(seconds, 1.0);
+            measured.batch(seconds, places.alike() as f64);
             return Ok(None);
         }
         let error = if ends.count() < LEAST_BATCHES { FROM_FEW } else { costs_to_stop.relative_error() };

@@ -321,11 +321,9 @@ impl RunDirectory {
         Ok(tally)
     }
 
-    /// The samples that are counted, where the audits are those of the job too.
-    pub fn all_done(&self, job: &Job) -> Result<Tally, Failure> {
-        if job.has_audits() {
-            self.audits_done(job)?;
-        }
+    /// Everything counted so far, where the audits are those of the job too.
+    pub fn tally_with_audits(&self, job: &Job) -> Result<Tally, Failure> {
+        self.audits_done(job)?;
         self.tally(job)
     }
 
@@ -407,13 +405,14 @@ impl RunDirectory {
         wanted.ok_or_else(|| {
             let what = part.map_or("more samples".to_owned(), |_| format!("sample {}", unit.samples.end - 1));
             let most = part.map_or(job.sampling.samples, |part| parts.max_samples(parts.place(part).1));
-            let samples = match (pieces.path().ends_with(AUDITS), parts.of_a_cell()) {
-                (true, _) => "plain samples".to_owned(),
-                (false, 1) => "samples".to_owned(),
-                (false, count) => format!("samples in each of {count} parts of it"),
+            let samples = match (part, parts.looks(), parts.of_a_cell()) {
+                _ if pieces.path().ends_with(AUDITS) => "plain samples".to_owned(),
+                (Some(_), None, count) if count > 1 => format!("samples in each of its {count} randomisations"),
+                (Some(_), Some(_), _) => "samples up to its next look".to_owned(),
+                _ => "samples".to_owned(),
             };
             Failure::Job(format!(
-                "{}: the pieces in {} hold {what} of cell {cell}, but its job.toml has only {most} {samples}; was it edited?",
+                "{}: the pieces in {} hold {what} of cell {cell}, but the job has only {most} {samples}; was its job.toml edited or removed?",
                 self.path().display(),
                 pieces.path().file_name().unwrap_or_default().display()
             ))

@@ -141,7 +141,7 @@ impl RunDirectory {
             Ok(other) => other.experiment_hash() == job.experiment_hash(),
             Err(_) => hash == job.hash(),
         };
-        footer.is_none_or(fits) && self.all_done(job).is_ok()
+        footer.is_none_or(fits) && self.tally_with_audits(job).is_ok()
     }
 
     /// Freezes the job, in place of the one before if there is one. This process must work alone.
