@@ -1,6 +1,6 @@
 //! Jobs that were once answered wrongly, with values that were found without the program.
 
-use crate::common::{Place, Table, make_pipe, repository};
+use crate::common::{Place, Table, make_pipe, repository, submitted};
 
 /// The surface of a job of `tests/data/cases`.
 fn surface(place: &Place, name: &str) -> Table {
@@ -33,6 +33,51 @@ fn critical_values_give_the_probabilities_of_dense_grids() {
         // A tenth of 4096 conditional probabilities.
         let plain = if name.ends_with("-conditional") { 409.0 } else { 300.0 };
         assert_eq!((table.column("distrust")[0], table.column("n_audit")[0]), (0.0, plain), "{name}");
+    }
+}
+
+/// Of 45 modes that nothing couples one has the damping ratio a ((p - q)^2 - d^2): p is unstable within d of q, however little.
+/// The probability of that is in closed form.
+#[test]
+fn a_narrow_window_among_many_modes_is_found() {
+    let place = Place::new();
+    let (size, scatter) = (45, 0.1);
+    let rows = |entry: &dyn Fn(usize) -> f64| {
+        let row =
+            |i: usize| (0..size).map(|j| if i == j { format!("{:e}", entry(i)) } else { "0".to_owned() }).collect();
+        let rows: Vec<Vec<String>> = (0..size).map(row).collect();
+        format!(
+            "{{ matrix = [{}]",
+            rows.iter().map(|row| format!("[{}]", row.join(", "))).collect::<Vec<_>>().join(", ")
+        )
+    };
+    let frequency = |i: usize| 1.0 + 0.02 * i as f64;
+    for (z, width, depth, expected) in [
+        (0.37, 1e-3, 1e-8, 7.450_965_315e-4),
+        (-1.13, 1e-3, 1e-6, 4.213_711_229e-4),
+        (1.7, 1e-4, 1e-6, 1.880_981_553e-5),
+    ] {
+        let (at, half) = (1.0 + scatter * z, scatter * width);
+        let a = depth / (half * half);
+        let first = |i: usize, value: f64| if i == 0 { 2.0 * frequency(0) * value } else { 0.0 };
+        let free = |i: usize| if i == 0 { first(0, a * (at * at - half * half)) } else { 0.02 * frequency(i) };
+        let damping = [
+            format!("{} }}", rows(&free)),
+            format!("{}, factor = \"p\" }}", rows(&|i| first(i, -2.0 * a * at))),
+            format!("{}, factor = \"p^2\" }}", rows(&|i| first(i, a))),
+        ];
+        let text = format!(
+            "name = \"window\"\n[model]\nkind = \"matrices\"\nmass = {} }}\ndamping = [{}]\nstiffness = {} }}\n\
+             [model.parameters]\np = 1.0\n[random]\ninputs = [\"p\"]\nrelative_std = {scatter}\n[criterion]\n\
+             kind = \"complex-eigenvalue\"\n[sampling]\nmethod = \"exact\"\n",
+            rows(&|_| 1.0),
+            damping.join(", "),
+            rows(&|i| frequency(i) * frequency(i)),
+        );
+        let table = submitted(&place, "window", &text);
+        let [low, p, high] = ["p_low", "p_unstable", "p_high"].map(|column| table.column(column)[0]);
+        assert!((p - expected).abs() < 1e-8 && low <= expected && expected <= high, "{low} {p} {high} {expected}");
+        std::fs::remove_dir_all(place.path("window")).unwrap();
     }
 }
 

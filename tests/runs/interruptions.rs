@@ -336,8 +336,8 @@ fn the_search_for_critical_values_of_one_cell_is_kept() {
     let stiffness = [term("K1", ""), term("KR", ", factor = \"friction\"")].join(", ");
     let job = format!(
         "name = \"dense\"\n[model]\nkind = \"matrices\"\nmass = {mass}\ndamping = [{damping}, {by_speed}]\n\
-         stiffness = [{stiffness}]\n[model.parameters]\nfriction = 0.08\nspeed = 1.0\n[axes]\n\
-         friction = [0.08]\n[random]\ninputs = [\"friction\"]\nrelative_std = 0.1\n[criterion]\n\
+         stiffness = [{stiffness}]\n[model.parameters]\nfriction = 0.3\nspeed = 1.0\n[axes]\n\
+         friction = [0.3]\n[random]\ninputs = [\"friction\"]\nrelative_std = 0.5\n[criterion]\n\
          kind = \"complex-eigenvalue\"\n[sampling]\nmethod = \"exact\"\n"
     );
     place.write("slow.toml", &job);

@@ -19,15 +19,8 @@ use super::terms::{Matrices, Matrix, Term};
 use crate::model::critical_values::{Memory, UnstableValues};
 use crate::numerics::eigenvalues::Eigenvalue;
 
-/// Coordinates up to which discs prove what is unstable over an interval. Beyond, that takes several times as long as what three
-/// places tell: seven times with 100 coordinates.
-const MOST_PROVED: usize = 40;
-
-/// How intervals that are proved are divided.
-const PROVED_STEPS: Steps = Steps { joined: 3, halvings: 44, most: 1000, widest_first: true };
-
-/// How those of larger dense matrices are, for which a place costs little.
-const DENSE_STEPS: Steps = Steps { joined: 1, halvings: 44, most: 333, widest_first: false };
+/// How intervals of dense matrices are divided, over which discs prove what is unstable.
+const DENSE_STEPS: Steps = Steps { joined: 3, halvings: 44, most: 1000, widest_first: true };
 
 /// How those with sparse matrices do.
 const SPARSE_STEPS: Steps = Steps { joined: 3, halvings: 44, most: 75, widest_first: false };
@@ -136,10 +129,7 @@ impl Problem {
         let region = region.in_unit(self.unit());
         let search = |intervals: &mut dyn Intervals, steps| intervals.unstable_values(places, steps, memory);
         match self {
-            Self::Dense(problem) if problem.size() <= MOST_PROVED => {
-                search(&mut Covering::new(problem, path, &region), PROVED_STEPS)
-            }
-            Self::Dense(_) => search(&mut Nodes::new(&*self.along(path), &region), DENSE_STEPS),
+            Self::Dense(problem) => search(&mut Covering::new(problem, path, &region), DENSE_STEPS),
             Self::Sparse(_) => search(&mut Nodes::new(&*self.along(path), &region), SPARSE_STEPS),
         }
     }
