@@ -3,7 +3,7 @@
 use nalgebra::{Complex, DMatrix, DVector};
 
 use super::branches::Path;
-use super::eigenbasis::{ComplexMatrix, Decomposition, Split};
+use super::eigenbasis::{ComplexMatrix, Decomposition, Split, product};
 use super::quadratic::{DenseQuadratic, Quadratic};
 use super::region::magnitude;
 use crate::numerics::eigenvalues::Eigenvalue;
@@ -58,24 +58,30 @@ impl Expansion {
         let of_order = |order: usize| series.iter().map(|of_term| of_term[order]).collect::<Vec<f64>>();
         let here = problem.at(&of_order(0));
         let Decomposition { eigenvalues, vectors, inverse } = Decomposition::balanced(&here)?;
-        let (left, right) = (Split::new(&inverse), Split::new(&vectors));
-        let in_basis = |change: &Quadratic| left.times(&right.multiplied_by(change, true));
-
-        let mut rest = left.times(&right.multiplied_by(&here, false));
-        for (index, value) in eigenvalues.iter().enumerate() {
-            rest[(index, index)] -= value;
-        }
-        let (left, right) = (inverse.map(magnitude), vectors.map(magnitude));
         let coordinates = problem.size();
+        let (states, right) = (eigenvalues.len(), Split::new(&vectors));
+        let of_forces = Split::new(&inverse.columns(coordinates, coordinates).into_owned());
+        let in_basis = |change: &Quadratic| of_forces.times(&right.forces(change));
+
+        // A X - X diag(lambda).
+        let forces = right.forces(&here);
+        let residual = DMatrix::from_fn(2 * coordinates, states, |row, column| {
+            let image = match row.checked_sub(coordinates) {
+                Some(row) => forces.entry(row, column),
+                None => vectors[(row + coordinates, column)],
+            };
+            magnitude(image - vectors[(row, column)] * eigenvalues[column])
+        });
+        let (left, right) = (inverse.map(magnitude), vectors.map(magnitude));
         let [upper, lower] = [0, coordinates].map(|from| right.rows(from, coordinates).into_owned());
         let noise = |sizes: &[f64], unit: f64| {
             let errors = problem.magnitudes_at(sizes);
-            let mut noise = DMatrix::zeros(2 * coordinates, right.ncols());
+            let mut noise = DMatrix::zeros(2 * coordinates, states);
             noise.rows_mut(0, coordinates).copy_from(&(&lower * unit));
             noise
                 .rows_mut(coordinates, coordinates)
-                .copy_from(&(&errors.stiffness * &upper + &errors.damping * &lower));
-            &left * noise
+                .copy_from(&(product(&errors.stiffness, &upper) + product(&errors.damping, &lower)));
+            noise
         };
         let size = |of_term: &[f64; 4]| {
             let [value, slope, curvature, beyond] = of_term.map(f64::abs);
@@ -91,14 +97,14 @@ impl Expansion {
             let [upper, lower] = [0, coordinates].map(|from| right.column(i).rows(from, coordinates).norm());
             left.row(i).columns(coordinates, coordinates).norm() * (damping * lower + stiffness * upper)
         };
-        let asymmetry = (0..right.ncols()).map(asymmetry).collect();
+        let asymmetry = (0..states).map(asymmetry).collect();
         let of_rounding: Vec<f64> = sizes.iter().map(|[size, _]| ROUNDING * size).collect();
-        let mut rest = rest.map(magnitude) + noise(&of_rounding, ROUNDING);
+        let mut rest = product(&left, &(residual + noise(&of_rounding, ROUNDING)));
         let rounding = rest.diagonal().iter().copied().collect();
         // What the path has beyond its second order.
         let beyond = of_order(3);
         if beyond.iter().any(|value| *value != 0.0) {
-            rest += noise(&beyond, 0.0);
+            rest += product(&left, &noise(&beyond, 0.0));
         }
 
         let second = of_order(2);
@@ -112,20 +118,15 @@ impl Expansion {
         })
     }
 
-    /// Discs for all steps from `-step` to `step`; nothing where the vectors turn too much.
-    ///
-    /// `(1 + d E)^-1 Y A X (1 + d E)` has the eigenvalues of A. With `E_ij = (Y A_1 X)_ij / (lambda_j - lambda_i)` where that stays
-    /// small over the interval, what it has outside of its diagonal is of second order; Gershgorin's discs of it, scaled, are small.
-    pub(super) fn discs(&self, step: f64) -> Option<Discs> {
+    /// E, by which vectors are turned over steps up to `step`, and D, what is left of first order: of each two eigenvalues that what
+    /// couples them moves little against their distance, `E_ij = (Y A_1 X)_ij / (lambda_j - lambda_i)`; of others `D_ij`.
+    fn turns(&self, step: f64) -> [ComplexMatrix; 2] {
         let states = self.eigenvalues.len();
-        let lambda = &self.eigenvalues;
-        let zero = Complex::from(0.0);
-        let mut turns = ComplexMatrix::zeros(states, states);
-        let mut direct = ComplexMatrix::zeros(states, states);
+        let [mut turns, mut direct] = [(); 2].map(|()| ComplexMatrix::zeros(states, states));
         for j in 0..states {
             for i in (0..states).filter(|i| *i != j) {
-                let (coupling, gap) = (self.first[(i, j)], lambda[j] - lambda[i]);
-                if coupling == zero {
+                let (coupling, gap) = (self.first[(i, j)], self.eigenvalues[j] - self.eigenvalues[i]);
+                if coupling == Complex::from(0.0) {
                     continue;
                 }
                 if magnitude(gap) > 0.0 && step * magnitude(coupling) <= TURNED * magnitude(gap) {
@@ -135,9 +136,20 @@ impl Expansion {
                 }
             }
         }
+        [turns, direct]
+    }
+
+    /// Discs for all steps from `-step` to `step`; nothing where the vectors turn too much.
+    ///
+    /// `(1 + d E)^-1 Y A X (1 + d E)` has the eigenvalues of A. It is `diag(lambda) + (1 + d E)^-1 (d (S + D) + d^2 (B + F E) + d^3 B E)`
+    /// and a rest, with `F = Y A_1 X`, its diagonal S, and `B = Y A_2 X`. To second order that leaves D outside of the diagonal;
+    /// Gershgorin's discs, scaled, are small where it is.
+    pub(super) fn discs(&self, step: f64) -> Option<Discs> {
+        let states = self.eigenvalues.len();
+        let [turns, direct] = self.turns(step);
         let slopes: Vec<Complex<f64>> = self.first.diagonal().iter().copied().collect();
-        let [first, turn] = [&self.first, &turns].map(Split::new);
-        let mut second = first.times(&turn) - turn.times(&Split::new(&direct));
+        let turn = Split::new(&turns);
+        let mut second = Split::new(&self.first).times(&turn) - turn.times(&Split::new(&direct));
         for (j, mut column) in second.column_iter_mut().enumerate() {
             column -= turns.column(j) * slopes[j];
         }
@@ -147,34 +159,32 @@ impl Expansion {
             third += Split::new(own).times(&turn);
         }
         third -= turn.times(&Split::new(&second));
-        let fourth = -turn.times(&Split::new(&third));
+        let fourth = |i: usize| -(0..states).map(|k| turns[(i, k)] * third[(k, i)]).sum::<Complex<f64>>();
 
-        let sizes = turns.map(magnitude);
-        let identity = DMatrix::<f64>::identity(states, states);
-        let inverse = (&identity - &sizes * step).lu().try_inverse()?;
-        // The series of |E| converges where all entries are positive, but for rounding.
-        if inverse.iter().any(|entry| entry.is_nan() || *entry < -1e-12) {
+        let square = step * step;
+        let powers = [step, square, square * step, square * square];
+        // The sum of the powers of d |E| is (1 - d |E|)^-1, if there is a positive vector that 1 - d |E| leaves positive.
+        let sizes = turns.map(magnitude) * step;
+        let powers_of_sizes = (DMatrix::identity(states, states) - &sizes).lu();
+        let vector = powers_of_sizes.solve(&DVector::from_element(states, 1.0))?;
+        let left = &vector - &sizes * &vector;
+        if !vector.iter().chain(&left).all(|entry| *entry > 0.0) {
             return None;
         }
-        let inverse = inverse.map(|entry| entry.max(0.0));
-        let fifth = &sizes * (&inverse * fourth.map(magnitude));
-        let rest = &inverse * (&self.rest * (identity + &sizes * step));
-        let square = step * step;
-        let powers = [step, square, square * step, square * square, square * square * step];
+        // All from the fourth order on, and the rest.
+        let rest = &self.rest + product(&self.rest, &sizes);
+        let beyond = powers_of_sizes.solve(&(product(&sizes, &third.map(magnitude)) * powers[2] + &rest))?;
+        let beyond = beyond.map(|entry| if entry < 0.0 { 0.0 } else { entry });
         let mut outside = DMatrix::from_fn(states, states, |i, j| {
-            let of = [
-                magnitude(direct[(i, j)]),
-                magnitude(second[(i, j)]),
-                magnitude(third[(i, j)]),
-                magnitude(fourth[(i, j)]),
-            ];
-            let of = of.iter().zip(powers).map(|(entry, power)| entry * power).sum::<f64>();
-            of + fifth[(i, j)] * powers[4] + rest[(i, j)]
+            let of = [magnitude(direct[(i, j)]), magnitude(second[(i, j)]), magnitude(third[(i, j)])];
+            of.iter().zip(powers).map(|(entry, power)| entry * power).sum::<f64>() + beyond[(i, j)]
         });
         outside.fill_diagonal(0.0);
-        let own: Vec<f64> = (0..states).map(|i| fifth[(i, i)] * powers[4] + rest[(i, i)]).collect();
-        let centres: Vec<[Complex<f64>; 5]> =
-            (0..states).map(|i| [lambda[i], slopes[i], second[(i, i)], third[(i, i)], fourth[(i, i)]]).collect();
+        // What a centre has not: all from the fifth order on, and the rest.
+        let own = |i: usize| rest[(i, i)] + (0..states).map(|k| sizes[(i, k)] * beyond[(k, i)]).sum::<f64>();
+        let own: Vec<f64> = (0..states).map(own).collect();
+        let centre = |i: usize| [self.eigenvalues[i], slopes[i], second[(i, i)], third[(i, i)], fourth(i)];
+        let centres: Vec<[Complex<f64>; 5]> = (0..states).map(centre).collect();
         if outside.iter().chain(&own).any(|value| !value.is_finite()) {
             return None;
         }
@@ -312,3 +322,6 @@ impl Discs {
         self.apart[(i, j)]
     }
 }
+
+#[cfg(test)]
+mod tests;

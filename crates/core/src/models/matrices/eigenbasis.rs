@@ -56,8 +56,10 @@ impl Decomposition {
         }
         let (schur_vectors, triangle) = real_schur(companion)?;
         let (schur_vectors, triangle) = complex_schur(&schur_vectors, &triangle);
-        let vectors = Split::new(&schur_vectors).times(&Split::new(&vectors_of_triangle(&triangle)));
-        let inverse = vectors.clone().lu().try_inverse()?;
+        let of_triangle = vectors_of_triangle(&triangle);
+        let schur_vectors = Split::new(&schur_vectors);
+        let vectors = schur_vectors.times(&Split::new(&of_triangle));
+        let inverse = schur_vectors.times(&Split::new(&inverse_of_triangle(&of_triangle).adjoint())).adjoint();
         Some(Self { eigenvalues: triangle.diagonal().iter().copied().collect(), vectors, inverse })
     }
 }
@@ -128,20 +130,19 @@ impl Split {
 
     /// The product with another matrix from the right.
     pub(super) fn times(&self, other: &Self) -> ComplexMatrix {
-        complex(&(&self.re * &other.re - &self.im * &other.im), &(&self.re * &other.im + &self.im * &other.re))
+        let of = |a, b| product(a, b);
+        complex(
+            &(of(&self.re, &other.re) - of(&self.im, &other.im)),
+            &(of(&self.re, &other.im) + of(&self.im, &other.re)),
+        )
     }
 
-    /// `A X`, or `(dA) X` for a change of a problem, with these as X.
-    pub(super) fn multiplied_by(&self, problem: &Quadratic, is_change: bool) -> Self {
+    /// `-K q - C q'` of each column `(q, q')`, the lower half of `A X` with these as X.
+    pub(super) fn forces(&self, problem: &Quadratic) -> Self {
         let of = |x: &DMatrix<f64>| {
             let size = x.nrows() / 2;
-            let (upper, lower) = (x.rows(0, size), x.rows(size, size));
-            let mut product = DMatrix::zeros(x.nrows(), x.ncols());
-            if !is_change {
-                product.rows_mut(0, size).copy_from(&lower);
-            }
-            product.rows_mut(size, size).copy_from(&-(&problem.stiffness * upper + &problem.damping * lower));
-            product
+            let [upper, lower] = [0, size].map(|from| x.rows(from, size).into_owned());
+            -(product(&problem.stiffness, &upper) + product(&problem.damping, &lower))
         };
         Self { re: of(&self.re), im: of(&self.im) }
     }
@@ -172,6 +173,31 @@ impl Split {
     pub(super) fn entry(&self, row: usize, column: usize) -> Complex<f64> {
         Complex::new(self.re[(row, column)], self.im[(row, column)])
     }
+}
+
+/// The product of two matrices, each entry as the sum in the order of k of all `A_ik B_kj` whose `B_kj` is not zero.
+pub(super) fn product(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
+    let rows = a.nrows();
+    let mut product = DMatrix::zeros(rows, b.ncols());
+    if rows == 0 {
+        return product;
+    }
+    let mut factors = Vec::with_capacity(b.nrows());
+    for (column, sums) in b.column_iter().zip(product.as_mut_slice().chunks_exact_mut(rows)) {
+        factors.clear();
+        factors
+            .extend(column.iter().copied().zip(a.as_slice().chunks_exact(rows)).filter(|(factor, _)| *factor != 0.0));
+        let (fours, rest) = factors.as_chunks::<4>();
+        for [(p, a), (q, b), (r, c), (s, d)] in fours {
+            for ((((sum, a), b), c), d) in sums.iter_mut().zip(*a).zip(*b).zip(*c).zip(*d) {
+                *sum = *sum + p * a + q * b + r * c + s * d;
+            }
+        }
+        for (factor, a) in rest {
+            sums.iter_mut().zip(*a).for_each(|(sum, a)| *sum += factor * a);
+        }
+    }
+    product
 }
 
 /// A complex Schur form from a real one: rotations make its blocks of two triangular.
@@ -238,6 +264,22 @@ fn vectors_of_triangle(triangle: &ComplexMatrix) -> ComplexMatrix {
     vectors
 }
 
+/// The inverse of an upper triangular matrix without zeros on its diagonal.
+fn inverse_of_triangle(triangle: &ComplexMatrix) -> ComplexMatrix {
+    let states = triangle.nrows();
+    let mut inverse = ComplexMatrix::identity(states, states);
+    for (j, mut column) in inverse.column_iter_mut().enumerate() {
+        for k in (0..=j).rev() {
+            column[k] /= triangle[(k, k)];
+            let factor = column[k];
+            for row in 0..k {
+                column[row] -= triangle[(row, k)] * factor;
+            }
+        }
+    }
+    inverse
+}
+
 #[cfg(test)]
 mod tests {
     use nalgebra::dmatrix;
@@ -269,6 +311,19 @@ mod tests {
         }
         let real_one = basis.eigenvalues.iter().filter(|value| value.im == 0.0).count();
         assert!(real_one >= 2, "an overdamped mode has real eigenvalues: {:?}", basis.eigenvalues);
+    }
+
+    #[test]
+    fn products_leave_out_zeros_alone() {
+        let mut numbers = Numbers(1);
+        for (rows, inner, columns) in [(0, 3, 2), (3, 0, 2), (1, 1, 1), (5, 4, 3), (7, 11, 9), (12, 6, 5)] {
+            let a = DMatrix::from_fn(rows, inner, |_, _| numbers.next());
+            let b = DMatrix::from_fn(inner, columns, |_, _| numbers.next().max(0.0));
+            assert_eq!(
+                product(&a, &b),
+                DMatrix::from_fn(rows, columns, |i, j| (0..inner).map(|k| a[(i, k)] * b[(k, j)]).sum())
+            );
+        }
     }
 
     /// Coordinates with nearly the same strong damping and the same soft spring: two clusters of real eigenvalues, at which
