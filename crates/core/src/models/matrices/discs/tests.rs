@@ -1,3 +1,5 @@
+use nalgebra::DMatrix;
+
 use super::*;
 use crate::models::matrices::trial;
 
@@ -75,4 +77,27 @@ fn centres_are_off_by_the_fifth_power_of_the_interval() {
         }
     }
     assert!(compared > 20, "{compared}");
+}
+
+/// Friction that turns all vectors towards each other, each of two by the same part: together by more than a series can say.
+#[test]
+fn there_are_no_discs_where_all_vectors_together_turn_too_much() {
+    let size = 12;
+    let square = |i: usize| (1.0 + 0.1 * i as f64) * (1.0 + 0.1 * i as f64);
+    let stiffness = [
+        DMatrix::from_fn(size, size, |i, j| if i == j { square(i) } else { 0.0 }),
+        DMatrix::from_fn(size, size, |i, j| (square(i) - square(j)).abs()),
+    ];
+    let mass = DMatrix::identity(size, size);
+    let problem = DenseQuadratic::new(&mass, &[mass.clone() * 0.02], &stiffness, &[1.0; 3]).unwrap();
+    let path = Cubic(vec![[1.0, 0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0]]);
+    let mut found = [0, 0];
+    for step in [0.01, 0.02, 0.05, 0.1, 0.15, 0.2] {
+        let expansion = Expansion::new(&problem, &path, (0.0, step), &[]).unwrap();
+        let sizes = expansion.turns(step)[0].map(magnitude) * step;
+        let radius = sizes.complex_eigenvalues().iter().map(|value| magnitude(*value)).fold(0.0, f64::max);
+        assert_eq!(expansion.discs(step).is_some(), radius < 1.0, "{step}: {radius}");
+        found[usize::from(radius < 1.0)] += 1;
+    }
+    assert!(found[0] > 0 && found[1] > 0, "{found:?}");
 }
