@@ -386,7 +386,6 @@ fn degrees_of_freedom_have_their_names_in_what_is_said() {
     }
 }
 
-/// A run finds its file again from another folder, and does not go on with another matrix.
 /// One random input: the integral between critical values, and limits of it, have the digits of the formula.
 #[test]
 fn probabilities_over_one_input_are_exact() {
@@ -411,6 +410,21 @@ fn probabilities_over_one_input_are_exact() {
     place
         .run("check two.toml")
         .refused(65, &["integrates over one random input; random.inputs lists 2", "conditional"]);
+}
+
+/// What makes no difference has no critical values: all samples are alike.
+#[test]
+fn a_random_input_that_stands_in_no_factor_changes_nothing() {
+    let place = Place::new();
+    for method in ["method = \"exact\"", "samples = 64"] {
+        for (damping, expected) in [("0.001", 0.0), ("-0.001", 1.0)] {
+            let damping = format!("damping = {{ matrix = [[{damping}, 0], [0, {damping}]] }}");
+            let job = two_masses(&damping, &format!("other = 1.0\n{SCATTER}{CRITERION}[sampling]\n{method}\n"));
+            let table = submitted(&place, "alike", &job.replace("[\"friction\"]", "[\"other\"]"));
+            assert_eq!(table.column("p_unstable"), [expected], "{method}");
+            std::fs::remove_dir_all(place.path("alike")).unwrap();
+        }
+    }
 }
 
 /// Several random inputs: the others are drawn, and the friction is integrated over at each sample.

@@ -86,6 +86,8 @@ struct Seen {
     outside: f64,
     /// Whether it is zero, or stays on the imaginary axis.
     is_exact: bool,
+    /// Whether it is on the threshold all along, as far as rounding tells.
+    is_on: bool,
 }
 
 impl<'a> Covering<'a> {
@@ -100,7 +102,9 @@ impl<'a> Covering<'a> {
     }
 
     /// The parts of an interval; nothing where it is to be halved. One that may be is halved where a crossing stays wide, too.
-    fn parts(&self, ends: [f64; 2], depth: usize, may_halve: bool) -> Option<Vec<Part>> {
+    /// `within` are how deep it is in intervals of crossings, and how many eigenvalues are on the threshold all along the one that it
+    /// was found in.
+    fn parts(&self, ends: [f64; 2], within: (usize, usize), may_halve: bool) -> Option<Vec<Part>> {
         if self.problem.size() == 0 {
             return Some(vec![Part { ends, is_unstable: Some(false) }]);
         }
@@ -109,6 +113,12 @@ impl<'a> Covering<'a> {
         let expansion = self.expansion(p, step)?;
         let discs = expansion.discs(step)?;
         let seen = self.seen(&discs);
+        let (depth, most_on) = within;
+        let on = seen.iter().filter(|eigenvalue| eigenvalue.is_on).count();
+        if on > most_on {
+            // One that passes the threshold here is no longer told from one that stays on it.
+            return Some(vec![Part { ends, is_unstable: None }]);
+        }
         let mut crossings = match self.said(&discs, &seen) {
             Said::Unstable => return Some(vec![Part { ends, is_unstable: Some(true) }]),
             Said::Nothing => return None,
@@ -139,7 +149,7 @@ impl<'a> Covering<'a> {
             }
             let narrower = high - low <= SHRINKS * (ends[1] - ends[0]) && depth < DEEPEST;
             let inner =
-                if hole.is_rounding || !narrower { None } else { self.parts([low, high], depth + 1, may_halve) };
+                if hole.is_rounding || !narrower { None } else { self.parts([low, high], (depth + 1, on), may_halve) };
             if inner.is_none() && may_halve && !hole.is_rounding && !self.is_rounding([low, high]) {
                 return None;
             }
@@ -174,7 +184,7 @@ impl<'a> Covering<'a> {
         let of_rounding = ROUNDED * discs.rounding[index];
         let is_on = |distance: &Distance| -distance.least < of_rounding && distance.most < of_rounding;
         let is_on = seen.distances.first().is_some_and(is_on);
-        if is_on { self.beside(discs, index, [RESOLUTION, GROWTH_RESOLUTION]) } else { seen }
+        if is_on { Seen { is_on, ..self.beside(discs, index, [RESOLUTION, GROWTH_RESOLUTION]) } } else { seen }
     }
 
     /// An eigenvalue beside a damping ratio that is so much below the threshold, and beside so much growth of real ones.
@@ -239,7 +249,7 @@ impl<'a> Covering<'a> {
             let is_zero = isolated.cluster <= self.zeros;
             is_on_axis && isolated.radius + 2.0 * re < 0.5 * isolated.gap || is_zero && re + im < SHARE * isolated.gap
         });
-        Seen { distances, inside, outside, is_exact }
+        Seen { distances, inside, outside, is_exact, is_on: false }
     }
 
     fn said(&self, discs: &Discs, seen: &[Seen]) -> Said {
@@ -355,7 +365,7 @@ fn crossing(discs: &Discs, eigenvalue: &Seen, index: usize, radius: f64) -> Opti
 
 impl Intervals for Covering<'_> {
     fn unstable(&mut self, ends: [f64; 2], may_halve: bool) -> Result<OnInterval, Error> {
-        match self.parts(ends, 0, may_halve) {
+        match self.parts(ends, (0, usize::MAX), may_halve) {
             Some(parts) => Ok(Some(unstable(&parts))),
             None if may_halve && !self.is_rounding(ends) => Ok(None),
             None => Ok(Some(UnstableValues { surely: Vec::new(), possibly: vec![ends] })),

@@ -107,15 +107,16 @@ impl Expansion {
             rest += product(&left, &noise(&beyond, 0.0));
         }
 
+        let first = in_basis(&problem.at(&of_order(1)));
         let second = of_order(2);
-        Some(Self {
-            first: in_basis(&problem.at(&of_order(1))),
-            second: second.iter().any(|value| *value != 0.0).then(|| in_basis(&problem.at(&second))),
-            eigenvalues,
-            rest,
-            rounding,
-            asymmetry,
-        })
+        let second = second.iter().any(|value| *value != 0.0).then(|| in_basis(&problem.at(&second)));
+        // Y X is 1 but for rounding.
+        let mut changes = first.map(magnitude) * step;
+        if let Some(second) = &second {
+            changes += second.map(magnitude) * (step * step);
+        }
+        rest += product(&(product(&left, &right) * ROUNDING), &changes);
+        Some(Self { first, second, eigenvalues, rest, rounding, asymmetry })
     }
 
     /// E, by which vectors are turned over steps up to `step`, and D, what is left of first order: of each two eigenvalues that what

@@ -227,7 +227,8 @@ impl Model for MatrixModel {
 
     /// That of friction, as far as it can be told.
     fn integrated(&self, inputs: &[usize]) -> Option<usize> {
-        self.integrated.iter().copied().find(|own| inputs.contains(own))
+        // One that stands in no factor makes no difference, whatever its value.
+        self.integrated.iter().copied().find(|own| inputs.contains(own)).or(inputs.first().copied())
     }
 
     fn recorded(&self) -> &[RecordedResult] {

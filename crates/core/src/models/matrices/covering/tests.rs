@@ -68,6 +68,51 @@ fn a_crossing_whose_interval_stays_wide_is_looked_at_in_parts() {
     }
 }
 
+/// Modes that nothing couples, in turned coordinates; the damping ratio of one is `slope (q - p)`. However small the slope, its critical
+/// value lies within what is left open, which is not more than rounding makes of it.
+#[test]
+fn a_crossing_that_rounding_blurs_is_left_open_and_not_taken_for_a_mode_on_the_threshold() {
+    let mut blurred = 0;
+    for seed in 0..400 {
+        let mut numbers = Numbers(seed);
+        let size = 2 + seed as usize % 5;
+        let slope = libm::pow(10.0, -9.0 + 4.0 * (seed as f64 / 400.0));
+        let turn = DMatrix::from_fn(size, size, |_, _| numbers.normal()).qr().q();
+        let frequency = |i: usize| 1.0 + if i < 2 { 1e-3 * i as f64 } else { 0.3 * i as f64 };
+        let at = 0.4 * numbers.next();
+        let turned = |of: &dyn Fn(usize) -> f64| {
+            let diagonal = DMatrix::from_fn(size, size, |i, j| if i == j { of(i) } else { 0.0 });
+            turn.transpose() * diagonal * &turn
+        };
+        let damping = [
+            turned(&|i| if i == 0 { 2.0 * slope * at } else { 0.02 * frequency(i) }),
+            turned(&|i| if i == 0 { -2.0 * slope } else { 0.0 }),
+        ];
+        let stiffness = [turned(&|i| frequency(i) * frequency(i))];
+        let problem = DenseQuadratic::new(&DMatrix::identity(size, size), &damping, &stiffness, &[1.0; 3]).unwrap();
+        let path = Line { from: vec![1.0, 0.0, 1.0], direction: vec![0.0, 1.0, 0.0] };
+        let found = unstable(&problem, &path, [-1.0, 1.0]);
+        let ([surely], [possibly]) = (&found.surely[..], &found.possibly[..]) else { panic!("{seed}: {found:?}") };
+        let rounding = 4.0 * f64::EPSILON / slope;
+        assert!(possibly[0] <= at + rounding && at - rounding <= surely[0], "{seed}: {at} {possibly:?} {surely:?}");
+        assert!(surely[0] - possibly[0] < 2e4 * rounding, "{seed}: {possibly:?} {surely:?}");
+        blurred += usize::from(surely[0] - possibly[0] > 10.0 * rounding);
+        // In an interval so narrow that this mode keeps next to the threshold.
+        for narrow in 1..10 {
+            let half = rounding * f64::from(1 << narrow);
+            let parts = Covering::new(&problem, &path, &ALL).parts([at - half, at + 0.7 * half], (1, 0), false);
+            for Part { ends, is_unstable } in parts.into_iter().flatten() {
+                let is_right = is_unstable.is_none_or(|is_unstable| match is_unstable {
+                    true => ends[0] >= at - rounding,
+                    false => ends[1] <= at + rounding,
+                });
+                assert!(is_right, "{seed}: {at} {ends:?} {is_unstable:?}");
+            }
+        }
+    }
+    assert!(blurred > 100, "{blurred}");
+}
+
 /// Gyroscopic forces in other coordinates are skew but for rounding: what they keep stable stays on the imaginary axis, with narrow
 /// intervals, and their flutter is that of all eigenvalues.
 #[test]
