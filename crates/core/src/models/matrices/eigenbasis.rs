@@ -130,10 +130,9 @@ impl Split {
 
     /// The product with another matrix from the right.
     pub(super) fn times(&self, other: &Self) -> ComplexMatrix {
-        let of = |a, b| product(a, b);
         complex(
-            &(of(&self.re, &other.re) - of(&self.im, &other.im)),
-            &(of(&self.re, &other.im) + of(&self.im, &other.re)),
+            &(product(&self.re, &other.re) - product(&self.im, &other.im)),
+            &(product(&self.re, &other.im) + product(&self.im, &other.re)),
         )
     }
 
