@@ -268,7 +268,7 @@ fn a_population_goes_on_where_a_signal_ended_it() {
 #[test]
 fn a_search_that_is_killed_goes_on_from_what_is_on_disk() {
     let place = Place::new();
-    let sampling = "method = \"importance\"\nsamples = 256\nrandomisations = 8\nparticles = 600\nseed = 2";
+    let sampling = "method = \"importance\"\nsamples = 256\nrandomisations = 8\nparticles = 300\nseed = 2";
     place.write("slow.toml", &slow_search(sampling));
     let folder = "run/searches";
     for _ in 0..2 {

@@ -21,7 +21,7 @@ use crate::schedule::time_left::{Mean, RateMeter};
 
 /// Shortest and longest time of a trial, when the last one ends after a command began, and when it does where nothing else
 /// was finished.
-pub(super) const SHORTEST: Duration = Duration::from_millis(600);
+pub(super) const SHORTEST: Duration = Duration::from_millis(200);
 const LONGEST: Duration = Duration::from_millis(2500);
 const LAST: Duration = Duration::from_millis(3800);
 const LAST_OF_ALL: Duration = Duration::from_millis(6500);
