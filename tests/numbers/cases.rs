@@ -252,6 +252,11 @@ fn messages_say_what_is_wrong() {
     check("decimal-point.toml").refused(65, &["decimal-point.toml:6:", ".1 lacks a digit beside its point; write 0.1"]);
     let checked = check("overdamped.toml").done();
     assert!(checked.stderr.contains("nothing oscillates in the expected brake"), "{}", checked.stderr);
+    assert!(
+        checked.stdout.contains(" degrees of freedom; no motion of the expected brake oscillates\n"),
+        "{}",
+        checked.stdout
+    );
     for (file, said) in [
         ("bom.mtx", "byte order mark"),
         ("skew-with-diagonal.mtx", "is stored without its diagonal"),

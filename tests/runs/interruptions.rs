@@ -144,8 +144,9 @@ fn stopped_after(mut running: Running, length: Duration) -> Option<String> {
 
 /// Starts a command again and again and ends it each time by a signal, as a batch system does, until it has kept more three
 /// times and this is `enough`; then lets it come to its end. `kept` says after each session how much it has kept. One that
-/// kept nothing new, as on a busy machine, is followed by one that is twice as long. An error if it came to its end before:
-/// of later attempts, sessions are shorter. Returns what was kept after each session.
+/// kept nothing new, as on a busy machine, is followed by one that is a quarter longer: twice as long, it may end a job that
+/// sets up for most of its time. An error if it came to its end before: of later attempts, sessions are shorter. Returns what
+/// was kept after each session.
 #[track_caller]
 fn stopped_until_done(
     attempt: u32,
@@ -163,7 +164,7 @@ fn stopped_until_done(
         if now > *advances.last().unwrap() {
             advances.push(now);
         } else {
-            length *= 2;
+            length = length * 5 / 4;
             assert!(length < PATIENCE, "it does not advance: {advances:?}\n{said}");
         }
     }

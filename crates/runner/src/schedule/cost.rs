@@ -224,10 +224,12 @@ impl Measured {
         self.batches() >= LEAST_BATCHES && costs(&self.batches).relative_error() <= ENOUGH
     }
 
-    /// Whether what a unit costs is known well enough for a trial to end.
-    pub fn is_settled(&self) -> bool {
+    /// Whether what a unit costs is known well enough for a trial of so many seconds to end: well, or, as far as it is known, so
+    /// many units on so many threads are done sooner than they are measured.
+    pub fn is_settled(&self, seconds: f64, units: f64, threads: usize) -> bool {
         let is_asked = self.batches() < OFTEN || self.batches().is_multiple_of(OFTEN);
-        is_asked && self.is_certain() && self.is_steady()
+        let is_done = |cost: UnitCost| self.batches() >= LEAST_BATCHES && units * cost.unit <= seconds * threads as f64;
+        is_asked && (self.cost().is_some_and(is_done) || self.is_certain() && self.is_steady())
     }
 
     /// What a unit costs, where units become cheaper if they do; `None` if none was finished.
@@ -359,6 +361,23 @@ mod tests {
         assert!(few.is_steady());
         few.batch(1.0, 1.0);
         assert!(!few.is_steady());
+    }
+
+    #[test]
+    fn a_trial_ends_when_the_cost_is_known_or_is_less_than_its_own() {
+        let mut measured = Measured::default();
+        // They differ by more than what is allowed, and become cheaper.
+        let batch = |turn: u64| if turn < LEAST_BATCHES { 8.0 } else { 1.0 };
+        (0..LEAST_BATCHES - 1).for_each(|turn| measured.batch(batch(turn), 1.0));
+        assert!(!measured.is_settled(100.0, 1.0, 2));
+        (LEAST_BATCHES - 1..2 * LEAST_BATCHES).for_each(|turn| measured.batch(batch(turn), 1.0));
+        // 4.5 seconds each on average: 20 of them take 45 on two threads, and 90 on one.
+        for (units, threads, is_settled) in [(20.0, 2, true), (20.0, 1, false), (25.0, 2, false), (10.0, 1, true)] {
+            assert_eq!(measured.is_settled(50.0, units, threads), is_settled, "{units} {threads}");
+        }
+        let mut alike = Measured::default();
+        (0..2 * LEAST_BATCHES).for_each(|_| alike.batch(1.0, 1.0));
+        assert!(alike.is_settled(0.5, 1e9, 2));
     }
 
     #[test]

@@ -105,6 +105,11 @@ impl<'e, 'j> Places<'e, 'j> {
         self.most
     }
 
+    /// How many samples there are in all.
+    pub(super) fn total(&self) -> f64 {
+        self.samples as f64 * self.count as f64 * self.alike as f64
+    }
+
     /// The samples of one turn: their cells, their place among the parts of each, and their range.
     fn of_turn(&self, turn: u64, samples: u64) -> (&[u64], u64, Range<u64>) {
         let place = self.order.at(turn % self.count).unwrap_or(0);
@@ -250,6 +255,7 @@ samples = 100_000
         let places = Places::of_samples(&evaluator);
         // Two bands, and their union.
         assert_eq!((job.cells(), places.alike()), (6, 3));
+        assert!((places.total() - 600_000.0).abs() < 0.5);
         let streams = |turn| {
             let (cells, place, _) = places.of_turn(turn, 10);
             assert_eq!((cells.len(), place), (3, 0));

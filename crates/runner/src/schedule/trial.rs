@@ -210,7 +210,10 @@ impl Engine {
                 ends.add(end);
                 costs_to_stop.add(tried.seconds / (samples * places.alike()) as f64 * end);
             }
-            if started.elapsed() >= SHORTEST && measured.is_settled() {
+            let elapsed = started.elapsed();
+            // How many samples are drawn is not known where cells stop by precision.
+            let total = if looks.is_some() { f64::INFINITY } else { places.total() };
+            if elapsed >= SHORTEST && measured.is_settled(elapsed.as_secs_f64(), total, self.threads()) {
                 is_enough.store(true, Ordering::Relaxed);
             }
             Ok(())

@@ -302,9 +302,9 @@ pub fn modes(model: &MatrixModel, expected: &[f64]) -> Vec<Mode> {
 pub fn frequencies(model: &MatrixModel, modes: &[Mode]) -> String {
     let oscillating = modes.iter().filter(|mode| mode.frequency > 0.0);
     let shown: Vec<String> = oscillating.take(SHOWN_FREQUENCIES).map(|mode| format!("{:.4}", mode.frequency)).collect();
-    format!(
-        "# {} degrees of freedom; the first frequencies of the expected brake in Hz: {}\n",
-        model.matrices().size(),
-        shown.join(", ")
-    )
+    let what = match shown.is_empty() {
+        true => "no motion of the expected brake oscillates".to_owned(),
+        false => format!("the first frequencies of the expected brake in Hz: {}", shown.join(", ")),
+    };
+    format!("# {} degrees of freedom; {what}\n", model.matrices().size())
 }
