@@ -209,7 +209,7 @@ fn a_noisy_curve_is_warned_of_with_the_ranges_that_the_grid_does_not_show() {
         checked.stdout
     );
     let submitted = place.run("submit noisy-curve.toml --samples 1000").done();
-    // Without damping this curve has limit cycles in nine ranges of speed, and finding their ends takes 20 seconds.
+    // With its own damping this curve has limit cycles in nine ranges of speed, whose ends take 20 seconds to find.
     let analysed = place.run("analyse --job noisy-curve.toml --set damping=400").done();
     assert!(analysed.stdout.contains("friction curve     40 rows from 0 to 1.950 m/s; "), "{}", analysed.stdout);
     for said in [checked.stderr, submitted.stderr, analysed.stderr] {
