@@ -1,8 +1,8 @@
 """Runs targets of the Makefile one after the other, whatever fails, and says at the end what failed.
 
-Usage: stages.py TARGET [TARGET ...] [--beside TARGET [TARGET ...]]
+Usage: stages.py TARGET [TARGET ...] [--beside TARGET [TARGET ...]] ...
 
-Those after --beside begin when the first target has ended, and run beside the others, one after the other as well.
+Those after each --beside begin when the first target has ended, and run beside the others, one after the other as well.
 
 What the targets print is passed on as it comes, in whole lines. Then follow one line for each target (name, seconds,
 passed, failed) and, for each failed test, its name and its last lines. The exit code is 1 if anything failed.
@@ -46,11 +46,16 @@ class Stage(NamedTuple):
 
 
 def main(words: List[str]) -> int:
-    at = words.index("--beside") if "--beside" in words else len(words)
-    first, others, beside = words[0], words[1:at], words[at + 1 :]
+    first, *others = words
+    lanes: List[List[str]] = [[]]
+    for word in others:
+        if word == "--beside":
+            lanes.append([])
+        else:
+            lanes[-1].append(word)
     stages = [run(first)]
-    with ThreadPoolExecutor() as lanes:
-        for lane in list(lanes.map(lambda lane: [run(target) for target in lane], [others, beside])):
+    with ThreadPoolExecutor(len(lanes)) as pool:
+        for lane in list(pool.map(lambda lane: [run(target) for target in lane], lanes)):
             stages += lane
     print("\n" + "\n".join(summary(stages)), flush=True)
     return 1 if any(stage.code for stage in stages) else 0

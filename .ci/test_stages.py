@@ -129,19 +129,20 @@ class Reading(unittest.TestCase):
         self.assertRegex(last, r"(?s)^\nFAILED  red .*\nok      green .*\nFAILED red: no test, but the target\n    broken\n")
 
     def test_targets_beside_others_begin_after_the_first_and_wait_for_none(self):
-        # Each of the two lanes waits for the other.
+        # Each of the three lanes waits for the others.
         makefile = (
             "first:\n\t@sleep 0.2; touch first\n"
             "here:\n\t@ls first; touch here; until [ -e there ]; do sleep 0.01; done\n"
             "before:\n\t@ls first; exit 3\n"
-            "there:\n\t@until [ -e here ]; do sleep 0.01; done; touch there; printf end\n"
+            "there:\n\t@until [ -e here ] && [ -e third ]; do sleep 0.01; done; touch there; printf end\n"
+            "third:\n\t@ls first; touch third; until [ -e there ]; do sleep 0.01; done\n"
         )
-        ran = self.run_targets(makefile, "first", "here", "--beside", "before", "there")
+        ran = self.run_targets(makefile, "first", "here", "--beside", "before", "there", "--beside", "third")
         self.assertEqual(ran.returncode, 1)
-        self.assertEqual(ran.stdout.splitlines().count("first"), 2)
+        self.assertEqual(ran.stdout.splitlines().count("first"), 3)
         ends = ran.stdout[ran.stdout.index("\n\n") :].split()
-        self.assertEqual(ends[:13:4], ["ok", "ok", "FAILED", "ok"])
-        self.assertEqual(ends[1:14:4], ["first", "here", "before", "there"])
+        self.assertEqual(ends[:17:4], ["ok", "ok", "FAILED", "ok", "ok"])
+        self.assertEqual(ends[1:18:4], ["first", "here", "before", "there", "third"])
 
 
 if __name__ == "__main__":

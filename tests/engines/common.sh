@@ -126,3 +126,7 @@ EOF
 
 # same RUN REFERENCE: fails unless the surfaces have the same bytes.
 same() { cmp "$1/surface.parquet" "$2/surface.parquet" || fail "the surface of $1 is not that of a single process"; }
+
+# The program under test is a copy: a Python package that is built meanwhile moves the program away for a moment.
+program=$place/stickslip
+wait_for "program" cp "$1" "$program"

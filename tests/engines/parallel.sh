@@ -6,7 +6,6 @@
 #   tests/engines/parallel.sh PROGRAM
 set -euo pipefail
 . "$(dirname "$0")/common.sh"
-program=$(realpath "$1")
 
 is_root "a daemon of ssh"
 needs "a run on several machines" parallel openssh-server openssh-client -- parallel sshd ssh ssh-keygen

@@ -7,7 +7,6 @@
 #   tests/engines/slurm.sh PROGRAM
 set -euo pipefail
 . "$(dirname "$0")/common.sh"
-program=$(realpath "$1")
 
 is_root "a cluster of Slurm"
 # The supervisors of tasks are no family of the daemons, and have no environment.
