@@ -1,6 +1,7 @@
 //! Jobs that were once answered wrongly, with values that were found without the program.
 
 use crate::common::{Place, Table, make_pipe, repository, submitted};
+use crate::published_models::OF_ZERO;
 
 /// The surface of a job of `tests/data/cases`.
 fn surface(place: &Place, name: &str) -> Table {
@@ -69,7 +70,7 @@ fn a_narrow_window_among_many_modes_is_found() {
         let text = format!(
             "name = \"window\"\n[model]\nkind = \"matrices\"\nmass = {} }}\ndamping = [{}]\nstiffness = {} }}\n\
              [model.parameters]\np = 1.0\n[random]\ninputs = [\"p\"]\nrelative_std = {scatter}\n[criterion]\n\
-             kind = \"complex-eigenvalue\"\n[sampling]\nmethod = \"exact\"\n",
+             kind = \"complex-eigenvalue\"\n{OF_ZERO}\n[sampling]\nmethod = \"exact\"\n",
             rows(&|_| 1.0),
             damping.join(", "),
             rows(&|i| frequency(i) * frequency(i)),

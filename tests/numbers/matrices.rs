@@ -14,6 +14,7 @@ use stickslip_core::models::matrices::problem::Solver;
 use stickslip_core::models::matrices::terms::{Matrices, Matrix, Parameter, Term};
 
 use crate::common::{Place, Table, repository, submitted};
+use crate::published_models::OF_ZERO;
 
 /// Two masses of Hoffmann, Fischer, Allgaier and Gaul (2002) with further keys of the model and the criterion.
 fn two_masses(damping: &str, rest: &str) -> String {
@@ -455,6 +456,8 @@ fn the_full_matrices_of_a_brake_give_its_probability_and_reduced_ones_nearly() {
     let job = std::fs::read_to_string(repository().join("jobs/tu-brake.toml")).unwrap();
     let matrices = repository().join("jobs/tu-brake/tu-brake.mat");
     let job = job.replace("tu-brake/tu-brake.mat", matrices.to_str().unwrap());
+    assert!(job.contains("damping_ratio = 0.0"));
+    let job = job.replace("damping_ratio = 0.0", OF_ZERO);
     // A sample of the full matrices takes a second or two.
     let job = job.replace("method = \"exact\" ", "audit = 2\nmethod = \"exact\" ");
     assert!(job.contains("audit = 2"));
@@ -797,7 +800,10 @@ fn what_is_wrong_with_matrices_is_said_in_words_of_their_makers() {
 #[test]
 fn modes_have_their_derivatives_and_critical_values() {
     let place = Place::new();
-    let job = repository().join("jobs/hulten.toml").display().to_string();
+    let text = std::fs::read_to_string(repository().join("jobs/hulten.toml")).unwrap();
+    let kind = "kind = \"complex-eigenvalue\"";
+    place.write("of-zero.toml", &text.replace(kind, &format!("{kind}\n{OF_ZERO}")));
+    let job = place.path("of-zero.toml").display().to_string();
     let analysed = |friction: f64| -> serde_json::Value {
         let printed = place.run(&format!("analyse {job} --set friction={friction} --json")).done().stdout;
         serde_json::from_str(&printed).unwrap()
@@ -821,6 +827,7 @@ fn modes_have_their_derivatives_and_critical_values() {
     assert!((number(&unstable, "/critical_values/friction/below") - 0.289_367_125_522_81).abs() < 1e-10);
     let text = place.run(&format!("analyse --job {job} --cell 16")).done().stdout;
     assert!(text.starts_with("hulten at damping_1 0.02, damping_2 0.02, friction 0.31: UNSTABLE"), "{text}");
+    assert!(text.contains("friction   0.31   0.289367 "), "{text}");
     let analyse = |change: &str| place.run(&format!("analyse {job} --set {change}"));
     analyse("fricton=0.3").refused(64, &["--set fricton=0.3", "did you mean friction?", "damping_1"]);
     analyse("friction").refused(64, &["NAME=VALUE"]);

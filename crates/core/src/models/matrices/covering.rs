@@ -18,8 +18,7 @@ const ROUNDED: f64 = 12.0;
 /// How much of its way over an interval, at its least slope, an eigenvalue may be off that passes an edge in it.
 const CROSSING: f64 = 0.25;
 
-/// Growth of a real eigenvalue that is zero all along, as far as rounding tells, from which on it would count; in the unit of the
-/// problem.
+/// Growth of an eigenvalue that is zero all along, as far as rounding tells, from which on it would count; in the unit of the problem.
 const GROWTH_RESOLUTION: f64 = 1e-10;
 
 /// Parts of half of an interval, from its middle, at which it is asked whether rounding alone hides what is unstable.
@@ -86,8 +85,8 @@ struct Seen {
     outside: f64,
     /// Whether it is zero, or stays on the imaginary axis.
     is_exact: bool,
-    /// Whether it is on the threshold all along, as far as rounding tells.
-    is_on: bool,
+    /// Whether it is zero all along, as far as rounding tells.
+    is_zero: bool,
 }
 
 impl<'a> Covering<'a> {
@@ -102,8 +101,7 @@ impl<'a> Covering<'a> {
     }
 
     /// The parts of an interval; nothing where it is to be halved. One that may be is halved where a crossing stays wide, too.
-    /// `within` are how deep it is in intervals of crossings, and how many eigenvalues are on the threshold all along the one that it
-    /// was found in.
+    /// `within` are how deep it is in intervals of crossings, and how many eigenvalues are zero all along the one that it was found in.
     fn parts(&self, ends: [f64; 2], within: (usize, usize), may_halve: bool) -> Option<Vec<Part>> {
         if self.problem.size() == 0 {
             return Some(vec![Part { ends, is_unstable: Some(false) }]);
@@ -113,10 +111,10 @@ impl<'a> Covering<'a> {
         let expansion = self.expansion(p, step)?;
         let discs = expansion.discs(step)?;
         let seen = self.seen(&discs);
-        let (depth, most_on) = within;
-        let on = seen.iter().filter(|eigenvalue| eigenvalue.is_on).count();
-        if on > most_on {
-            // One that passes the threshold here is no longer told from one that stays on it.
+        let (depth, most_zeros) = within;
+        let zeros = seen.iter().filter(|eigenvalue| eigenvalue.is_zero).count();
+        if zeros > most_zeros {
+            // One that passes zero here is no longer told from one that stays there.
             return Some(vec![Part { ends, is_unstable: None }]);
         }
         let mut crossings = match self.said(&discs, &seen) {
@@ -148,8 +146,11 @@ impl<'a> Covering<'a> {
                 parts.push(Part { ends: [from.0, low], is_unstable });
             }
             let narrower = high - low <= SHRINKS * (ends[1] - ends[0]) && depth < DEEPEST;
-            let inner =
-                if hole.is_rounding || !narrower { None } else { self.parts([low, high], (depth + 1, on), may_halve) };
+            let inner = if hole.is_rounding || !narrower {
+                None
+            } else {
+                self.parts([low, high], (depth + 1, zeros), may_halve)
+            };
             if inner.is_none() && may_halve && !hole.is_rounding && !self.is_rounding([low, high]) {
                 return None;
             }
@@ -177,20 +178,17 @@ impl<'a> Covering<'a> {
         (0..discs.radii.len()).map(|index| self.eigenvalue(discs, index)).collect()
     }
 
-    /// An eigenvalue beside the threshold itself; where it is on that all along, as far as rounding tells, beside one that it is clear
-    /// of, as that of samples, so that undamped ones are stable.
+    /// An eigenvalue beside the edge of what is unstable; where it is zero all along, as far as rounding tells, beside a growth that it is
+    /// clear of.
     fn eigenvalue(&self, discs: &Discs, index: usize) -> Seen {
-        let seen = self.beside(discs, index, [0.0; 2]);
-        let of_rounding = ROUNDED * discs.rounding[index];
-        let is_on = |distance: &Distance| -distance.least < of_rounding && distance.most < of_rounding;
-        let is_on = seen.distances.first().is_some_and(is_on);
-        if is_on { Seen { is_on, ..self.beside(discs, index, [RESOLUTION, GROWTH_RESOLUTION]) } } else { seen }
+        let seen = self.beside(discs, index, 0.0);
+        if seen.is_zero { self.beside(discs, index, GROWTH_RESOLUTION) } else { seen }
     }
 
-    /// An eigenvalue beside a damping ratio that is so much below the threshold, and beside so much growth of real ones.
-    fn beside(&self, discs: &Discs, index: usize, [below, growth]: [f64; 2]) -> Seen {
+    /// An eigenvalue beside the edge, to which for real ones so much growth belongs.
+    fn beside(&self, discs: &Discs, index: usize, growth: f64) -> Seen {
         let Region { lowest, highest, damping_ratio } = *self.region;
-        let threshold = damping_ratio - below;
+        let threshold = damping_ratio - RESOLUTION;
         let (step, centre) = (discs.step, discs.centres[index]);
         let sign = if centre[0].im < 0.0 { -1.0 } else { 1.0 };
         let isolated = discs.radii[index];
@@ -249,7 +247,8 @@ impl<'a> Covering<'a> {
             let is_zero = isolated.cluster <= self.zeros;
             is_on_axis && isolated.radius + 2.0 * re < 0.5 * isolated.gap || is_zero && re + im < SHARE * isolated.gap
         });
-        Seen { distances, inside, outside, is_exact, is_on: false }
+        let is_zero = re.max(im) < ROUNDED * discs.rounding[index];
+        Seen { distances, inside, outside, is_exact, is_zero }
     }
 
     fn said(&self, discs: &Discs, seen: &[Seen]) -> Said {

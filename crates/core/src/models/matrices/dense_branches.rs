@@ -96,7 +96,6 @@ mod tests {
     use crate::model::critical_values::{Memory, NoMemory, OnInterval, evenly};
     use crate::models::matrices::branches::Line;
     use crate::models::matrices::covering::Covering;
-    use crate::models::matrices::region::RESOLUTION;
     use crate::models::matrices::sweep::{Intervals, Nodes, Steps, Sweep};
     use crate::models::matrices::trial::problem;
     use crate::numerics::eigenvalues::Eigenvalue;
@@ -141,8 +140,7 @@ mod tests {
                 let values = problem.at(&path.coefficients(p)).eigenvalues().unwrap();
                 let is_clear = |value: &Eigenvalue| {
                     let with = |ratio: f64| Region { damping_ratio: region.damping_ratio + ratio, ..region };
-                    let by = 1e-7 + RESOLUTION;
-                    with(-by).contains(*value) == with(by).contains(*value)
+                    with(-1e-11).contains(*value) == with(1e-11).contains(*value)
                 };
                 let contains = |set: &[[f64; 2]]| set.iter().any(|[from, to]| (*from..=*to).contains(&p));
                 let expected = values.iter().any(|value| region.contains(*value));

@@ -261,18 +261,16 @@ impl<'a> Interval<'a> {
         }
         let (_, slope) = target.distance(&at);
         let region = self.region;
-        let (is_change, is_more, shift) = match target {
-            // The threshold itself, by the tangent: samples count as unstable a little below it.
-            Target::DampingRatio(_) => (region.has_frequency_of(at.pair.eigenvalue), slope < 0.0, RESOLUTION / slope),
+        let (is_change, is_more) = match target {
+            Target::DampingRatio(_) => (region.has_frequency_of(at.pair.eigenvalue), slope < 0.0),
             Target::Frequency(end) => {
                 let enters = if end == region.lowest { slope > 0.0 } else { slope < 0.0 };
-                (is_unstable(region, &at), enters, 0.0)
+                (is_unstable(region, &at), enters)
             }
-            Target::Growth => (region.lowest <= 0.0, slope < 0.0, 0.0),
+            Target::Growth => (region.lowest <= 0.0, slope < 0.0),
         };
-        let p = (at.p + shift).clamp(within[0], within[1]);
         let more = multiplicity(from.pair.eigenvalue) * if is_more { 1 } else { -1 };
-        Ok(Some(is_change.then_some(Change { p, error, at, target, more })))
+        Ok(Some(is_change.then_some(Change { p: at.p, error, at, target, more })))
     }
 }
 

@@ -2,8 +2,8 @@
 
 use crate::numerics::eigenvalues::Eigenvalue;
 
-/// What separates a damping ratio of a sample from the threshold at least to count as below it. So the rounding of undamped
-/// modes, whose damping ratio is zero, makes none unstable. Critical values are those of the threshold itself.
+/// What separates a damping ratio from the threshold at least to count as below it, of samples and of critical values alike. So the
+/// rounding of undamped modes, whose damping ratio is zero, makes none unstable.
 pub const RESOLUTION: f64 = 1e-9;
 
 /// Eigenvalues near the real axis that grow by no more than this do so by rounding alone, in the unit of the problem. It is not more

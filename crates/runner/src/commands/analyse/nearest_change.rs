@@ -69,7 +69,7 @@ impl fmt::Display for Nearest {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Nowhere => f.write_str("none"),
-            Self::At(at) => write!(f, "{at:.10}"),
+            Self::At(at) => f.write_str(&rounded(*at)),
             Self::Between([from, to]) => write!(f, "not known from {} to {}", rounded(*from), rounded(*to)),
         }
     }
