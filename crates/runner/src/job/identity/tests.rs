@@ -110,7 +110,7 @@ fn plain_samples_are_a_tenth_of_what_a_probability_takes_itself_within_bounds() 
     let of = |disc: &str, sampling: &str| {
         let text = SOBOL.replace("kind = \"coupled-eigenvalue\"", disc);
         let keys = text.split_once("method").unwrap().0;
-        job(&format!("{keys}{sampling}\n")).plain_samples()
+        job(&format!("{keys}{sampling}\n"))
     };
     let rigid = "kind = \"time-domain\"\ndisc = \"rigid\"";
     let flexible = "kind = \"time-domain\"\ndisc = \"flexible\"\ndisc_modes = 5";
@@ -118,8 +118,14 @@ fn plain_samples_are_a_tenth_of_what_a_probability_takes_itself_within_bounds() 
     for (samples, [usual, slow]) in
         [(160, [300, 16]), (2000, [300, 200]), (8192, [819, 819]), (1 << 30, [1_000_000, 1_000_000])]
     {
-        assert_eq!([rigid, flexible].map(|disc| of(disc, &importance(samples))), [usual, slow], "{samples}");
+        let of_disc = |disc: &str| of(disc, &importance(samples));
+        assert_eq!([rigid, flexible].map(|disc| of_disc(disc).plain_samples()), [usual, slow], "{samples}");
+        // Where it is not known how long a sample takes.
+        assert_eq!([rigid, flexible].map(|disc| of_disc(disc).certain_plain_samples()), [slow, slow], "{samples}");
+        let given = of(rigid, &format!("{}\naudit = 700", importance(samples)));
+        assert_eq!([given.plain_samples(), given.certain_plain_samples()], [700, 700], "{samples}");
     }
+    let of = |disc: &str, sampling: &str| of(disc, sampling).plain_samples();
     // 16 populations of 1000 particles take at least 16,000 verdicts.
     assert_eq!(of(rigid, "method = \"subset\""), 1600);
     assert_eq!(of(rigid, "method = \"subset\"\nparticles = 100\nrandomisations = 8"), 300);

@@ -235,7 +235,7 @@ fn searches_over_a_parameter_find_what_one_eigenvalue_problem_shows() {
         }
         models += 1;
         let region = Region { lowest: 0.0, highest: f64::INFINITY, ..region };
-        let mut breaks = by_eigenproblem(&problem, &path, region.damping_ratio);
+        let mut breaks = by_eigenproblem(&problem, &path, region.damping_ratio - RESOLUTION);
         breaks.extend([-9.0, 9.0]);
         breaks.sort_by(f64::total_cmp);
         let is_unstable = |two: &&[f64]| {
