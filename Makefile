@@ -4,7 +4,7 @@ CARGO  ?= cargo
 PYTHON ?= python3
 STICKSLIP = target/release/stickslip
 
-# What builds the documentation site. A debug build of it takes half the time, and is fast enough.
+# What builds the documentation site. A build without optimisation takes half the time, and is fast enough.
 MDBOOK_VERSION = 0.5.4
 MDBOOK_ROOT = target/mdbook-$(MDBOOK_VERSION)
 MDBOOK = $(MDBOOK_ROOT)/bin/mdbook
@@ -58,10 +58,12 @@ test-optimisation:
 	STICKSLIP_OTHER_PROGRAM="$(CURDIR)/target/quick/stickslip" \
 	    $(CARGO) test --locked --release -p stickslip --test runs -- --ignored optimisation
 
+# Python compiles what is imported, which is a part of what is installed.
+PIP_INSTALL = -m pip install --quiet --disable-pip-version-check --no-compile
+
 target/readers/ready: tests/requirements.txt
 	mkdir -p target/readers
-	if $(PYTHON) -m venv target/readers \
-	    && target/readers/bin/python -m pip install --quiet --disable-pip-version-check -r tests/requirements.txt; then \
+	if $(PYTHON) -m venv target/readers && target/readers/bin/python $(PIP_INSTALL) -r tests/requirements.txt; then \
 	    touch $@; \
 	else \
 	    rm -rf target/readers; test -z "$$CI"; \
@@ -95,7 +97,7 @@ local: wheel
 
 $(PACKAGING)/ready: packaging/requirements.txt
 	$(PYTHON) -m venv $(PACKAGING)
-	$(PACKAGING)/bin/python -m pip install --quiet --disable-pip-version-check -r $<
+	$(PACKAGING)/bin/python $(PIP_INSTALL) -r $<
 	touch $@
 
 # The program for those who have no toolchain, in target/dist: as a wheel, which is the Python package, and as an archive with
@@ -120,8 +122,8 @@ dist: dist-wheel $(if $(filter $(HOST_TARGET),$(DIST_TARGET)),,program)
 test-python: local
 	rm -rf target/python-tests
 	$(PYTHON) -m venv target/python-tests
-	target/python-tests/bin/python -m pip install --quiet --disable-pip-version-check -r tests/python/requirements.txt
-	target/python-tests/bin/python -m pip install --quiet --disable-pip-version-check \
+	target/python-tests/bin/python $(PIP_INSTALL) -r tests/python/requirements.txt
+	target/python-tests/bin/python $(PIP_INSTALL) \
 		"stickslip[pandas,polars,xarray,notebook] @ file://$(CURDIR)/$$(echo $(LOCAL)/stickslip-*.whl)"
 	env -u STICKSLIP_PROGRAM target/python-tests/bin/python -m pytest tests/python
 	target/python-tests/bin/python -m mypy --strict python/stickslip
@@ -138,7 +140,7 @@ test-dist test-release: target/dist-tests/ready
 
 target/dist-tests/ready: tests/dist/requirements.txt
 	$(PYTHON) -m venv target/dist-tests
-	target/dist-tests/bin/python -m pip install --quiet --disable-pip-version-check -r $<
+	target/dist-tests/bin/python $(PIP_INSTALL) -r $<
 	touch $@
 
 # Whether another copy of the commit, elsewhere and in other circumstances, gives the same bytes. It builds the program
@@ -218,7 +220,7 @@ docs: $(MDBOOK)
 
 $(MDBOOK):
 	$(CARGO) install mdbook --version $(MDBOOK_VERSION) --locked --root $(MDBOOK_ROOT) --debug \
-		--no-default-features --features search
+		--config profile.dev.debug=false --no-default-features --features search
 
 # The figures of docs/reproduction.md. Figure 14b, which takes minutes, is left out.
 FIGURES = fig4 fig5 fig6 fig7 fig8 fig9 fig10 fig11 fig12 fig13 fig14a fig14c fig14d fig15a fig15b
@@ -271,7 +273,7 @@ bench-peers: target/peers/ready target/peers-uqpy/ready
 # UQpy needs older versions of NumPy and others than the rest, so it has an environment of its own.
 target/peers/ready target/peers-uqpy/ready: target/%/ready: benches/%-requirements.txt
 	$(PYTHON) -m venv target/$*
-	target/$*/bin/python -m pip install --quiet --disable-pip-version-check -r $<
+	target/$*/bin/python $(PIP_INSTALL) -r $<
 	touch $@
 
 clean:

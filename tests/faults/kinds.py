@@ -118,7 +118,7 @@ TABLE = {
     "subset": Kind(
         _RARE_CELLS,
         _RIGID,
-        tuple(f'method = "subset"\nparticles = 100\nrandomisations = {count}' for count in (16, 4)),
+        tuple(f'method = "subset"\nparticles = 100\nrandomisations = {count}' for count in (8, 4)),
         random=_RARE,
     ),
     "conditional": Kind(

@@ -87,7 +87,7 @@ fn simulations(said: &str) -> u64 {
 #[test]
 fn tiles_are_kept_while_others_go_on_arriving() {
     let place = Place::new();
-    let speeds = "rotating_speed = { from = 10.0, to = 20.0, points = 8 }";
+    let speeds = "rotating_speed = { from = 10.0, to = 20.0, points = 4 }";
     let text = job("job", FROM_REST, BOTH, "samples = 1_000_000\nevaluate = \"boundary\"");
     place.write("job.toml", &text.replace("rotating_speed = 15.0", speeds));
     let mut child = place.command("submit job.toml --out run --map-only").spawn().unwrap();

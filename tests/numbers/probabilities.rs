@@ -205,11 +205,11 @@ fn samples_in_undecided_regions_are_simulated() {
 fn a_flexible_disc_is_mapped_too() {
     let place = Place::new();
     let text = |sampling: &str| job("flexible", "kind = \"time-domain\"", BOTH, sampling);
-    let each = submitted(&place, "each", &text("samples = 700"));
-    let looked_up = submitted(&place, "map", &text("samples = 700\nevaluate = \"boundary\"\naudit = 0.01"));
+    let each = submitted(&place, "each", &text("samples = 400"));
+    let looked_up = submitted(&place, "map", &text("samples = 400\nevaluate = \"boundary\"\naudit = 0.01"));
     let coupled = "kind = \"coupled-eigenvalue\"";
-    let coupled_each = submitted(&place, "coupled-each", &job("c", coupled, BOTH, "samples = 300"));
-    let coupled_map = submitted(&place, "coupled", &job("c", coupled, BOTH, "samples = 300\nevaluate = \"boundary\""));
+    let coupled_each = submitted(&place, "coupled-each", &job("c", coupled, BOTH, "samples = 200"));
+    let coupled_map = submitted(&place, "coupled", &job("c", coupled, BOTH, "samples = 200\nevaluate = \"boundary\""));
     for (each, looked_up) in [(&each, &looked_up), (&coupled_each, &coupled_map)] {
         assert_same_counts(each, looked_up);
     }

@@ -38,7 +38,7 @@ LONG: dict[str, Any] = {
     "axes": {"preload": {"from": 0.05, "to": 0.15, "points": 5}, "static_friction": 0.39},
     "random": {"inputs": ["preload", "static_friction"], "relative_std": 0.2},
     "criterion": {"kind": "time-domain"},
-    "sampling": {"samples": 100_000, "seed": 3},
+    "sampling": {"samples": 50_000, "seed": 3},
 }
 
 

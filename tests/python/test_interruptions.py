@@ -100,13 +100,13 @@ def test_run_goes_on_with_an_interrupted_run(place: Path, whole: bytes) -> None:
     assert caught.value.remedy is not None and caught.value.remedy.endswith("long').resume()")
     run = stickslip.run(LONG, "long", progress=False)
     assert (run.path / "surface.parquet").read_bytes() == whole
-    assert "100,000 samples each" in run.output
+    assert "50,000 samples each" in run.output
 
 
 def test_run_goes_on_with_a_run_of_fewer_samples(place: Path) -> None:
     interrupted_run(place)
-    run = stickslip.run(LONG, "long", progress=False, samples=100_001)
-    assert set(run.surface()["n_samples"]) == {100_001}
+    run = stickslip.run(LONG, "long", progress=False, samples=50_001)
+    assert set(run.surface()["n_samples"]) == {50_001}
 
 
 def interrupted_run(place: Path) -> None:
@@ -262,7 +262,7 @@ def test_a_notebook_is_interrupted_and_goes_on(place: Path, whole: bytes) -> Non
         assert "interrupted: saving what is finished" in texts["stderr"]
         client.execute("run = sys.last_value.run.resume()\nrun")
         texts = sent_texts(client)
-        assert "100,000 samples each" in texts["html"], texts
+        assert "50,000 samples each" in texts["html"], texts
         assert " samples in " in texts["stderr"]
     finally:
         client.stop_channels()

@@ -194,9 +194,13 @@ fn every_lost_or_damaged_file_of_a_finished_run_comes_back() {
         (on_map(INTEGRATED), "job.toml"),
         (on_map(INTEGRATED), "surface.parquet"),
     ] {
+        let (place, surface) = finished(&text);
+        let whole = place.path("whole");
+        copy(&place.path("run"), &whole);
         for is_lost in [true, false] {
             for with_digests in [true, false] {
-                let (place, surface) = finished(&text);
+                fs::remove_dir_all(place.path("run")).unwrap();
+                copy(&whole, &place.path("run"));
                 let path = place.path("run").join(file);
                 match (is_lost, file) {
                     (true, "shards") => fs::remove_dir_all(&path).unwrap(),
@@ -209,6 +213,7 @@ fn every_lost_or_damaged_file_of_a_finished_run_comes_back() {
                 }
                 let what = format!("{file}, lost: {is_lost}, digests: {with_digests}");
                 let damaged = place.path("damaged");
+                let _ = fs::remove_dir_all(&damaged);
                 copy(&place.path("run"), &damaged);
                 for words in [
                     "plot run --out p.svg",
