@@ -59,6 +59,20 @@ def need_root() -> None:
         raise Skipped("needs root")
 
 
+def copy_of_program(program: Path, to: Path) -> None:
+    """Waits for a program that is away, since a Python package that is built meanwhile moves it for some seconds."""
+    until = time.monotonic() + 60
+    while True:
+        try:
+            shutil.copy2(program, to)
+            break
+        except FileNotFoundError:
+            if time.monotonic() > until:
+                raise
+            time.sleep(0.1)
+    to.chmod(0o755)
+
+
 class Ended(NamedTuple):
     """A command that has ended. A negative code is that of a signal."""
 
@@ -356,8 +370,7 @@ class Suite:
         scratch.chmod(0o755)
         # A copy, as the program may be built again meanwhile, and for users who cannot read the folder of the build.
         self.program = scratch / "stickslip"
-        shutil.copy2(program, self.program)
-        self.program.chmod(0o755)
+        copy_of_program(program, self.program)
         # The rows of a suite are made side by side.
         self.lock = threading.Lock()
         self.references: dict = {}
