@@ -14,7 +14,7 @@ use super::full::band::KrylovLimit;
 use super::full::quadratic::{Coefficients, SparseQuadratic};
 use super::quadratic::{DenseQuadratic, QuadraticError};
 use super::region::Region;
-use super::sweep::{Intervals, Nodes, Steps};
+use super::sweep::{Intervals, Nodes, Steps, middle};
 use super::terms::{Matrices, Matrix, Term};
 use crate::model::critical_values::{Memory, UnstableValues};
 use crate::numerics::eigenvalues::Eigenvalue;
@@ -24,6 +24,9 @@ const DENSE_STEPS: Steps = Steps { joined: 3, halvings: 44, most: 1000, widest_f
 
 /// How those with sparse matrices do.
 const SPARSE_STEPS: Steps = Steps { joined: 3, halvings: 44, most: 75, widest_first: false };
+
+/// Up to so many degrees of freedom critical values of sparse matrices are proved with dense ones, which takes some seconds.
+const SMALL: usize = 100;
 
 /// With which matrices eigenvalues are found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -126,11 +129,20 @@ impl Problem {
         places: &[f64],
         memory: &dyn Memory,
     ) -> Option<UnstableValues> {
-        let region = region.in_unit(self.unit());
+        // In a band from 0 real eigenvalues count, which are not looked for with sparse matrices.
+        let is_small = |problem: &SparseQuadratic| problem.size() <= SMALL && region.lowest > 0.0;
+        let dense = match self {
+            Self::Dense(problem) => Some(Arc::clone(problem)),
+            Self::Sparse(problem) if is_small(problem) => {
+                let typical = path.coefficients(middle(*places.first()?, *places.last()?));
+                problem.dense(&typical).ok().map(Arc::new)
+            }
+            Self::Sparse(_) => None,
+        };
         let search = |intervals: &mut dyn Intervals, steps| intervals.unstable_values(places, steps, memory);
-        match self {
-            Self::Dense(problem) => search(&mut Covering::new(problem, path, &region), DENSE_STEPS),
-            Self::Sparse(_) => search(&mut Nodes::new(&*self.along(path), &region), SPARSE_STEPS),
+        match dense {
+            Some(problem) => search(&mut Covering::new(&problem, path, &region.in_unit(problem.unit())), DENSE_STEPS),
+            None => search(&mut Nodes::new(&*self.along(path), region), SPARSE_STEPS),
         }
     }
 
@@ -149,4 +161,51 @@ fn dense(matrix: &Matrix) -> DMatrix<f64> {
         dense[(entry.row, entry.col)] += *entry.val;
     }
     dense
+}
+
+#[cfg(test)]
+mod tests {
+    use faer::sparse::Triplet;
+
+    use super::*;
+    use crate::model::critical_values::NoMemory;
+
+    fn diagonal(entries: [f64; 2]) -> Matrix {
+        let entries = [0, 1].map(|i| Triplet::new(i, i, entries[i]));
+        Matrix::try_new_from_triplets(2, 2, &entries).unwrap()
+    }
+
+    /// The damping of the first of two modes is `(p - 0.3)^2 - width^2`.
+    struct Window {
+        width: f64,
+    }
+
+    impl Path for Window {
+        fn series(&self, p: f64, _: f64) -> Vec<[f64; 4]> {
+            let from = p - 0.3;
+            vec![[(from - self.width) * (from + self.width), 2.0 * from, 1.0, 0.0], [1.0, 0.0, 0.0, 0.0]]
+        }
+    }
+
+    #[test]
+    fn narrow_windows_of_small_sparse_matrices_are_not_missed() {
+        let (damping, stiffness) = (diagonal([1.0, 0.0]), diagonal([1.0, 4.0]));
+        let problem = SparseQuadratic::new(&diagonal([1.0, 1.0]), &[damping], &[stiffness]).unwrap();
+        let problem = Problem::Sparse(Arc::new(problem));
+        for (band, is_in) in [([0.5, 1.5], true), ([1.5, 2.5], false)] {
+            let region = Region { lowest: band[0], highest: band[1], damping_ratio: 0.0 };
+            for width in [0.01, 1e-3] {
+                let path = Window { width };
+                let found = problem.unstable_values(&path, &region, &[-2.0, 0.0, 2.0], &NoMemory).unwrap();
+                // A damping ratio counts from 1e-9 below zero on, which is half of the damping.
+                let half = (width * width - 2e-9).sqrt();
+                let expected = if is_in { vec![[0.3 - half, 0.3 + half]] } else { Vec::new() };
+                assert_eq!(found.surely.len(), expected.len(), "{width} {band:?}: {found:?}");
+                for ([from, to], [low, high]) in found.surely.iter().chain(&found.possibly).zip(expected.iter().cycle())
+                {
+                    assert!((from - low).abs() < 1e-9 && (to - high).abs() < 1e-9, "{width}: {found:?} {expected:?}");
+                }
+            }
+        }
+    }
 }

@@ -5,10 +5,12 @@ use faer::sparse::linalg::LuError;
 use faer::sparse::linalg::solvers::{Lu, SymbolicLu};
 use faer::sparse::{FaerError, SparseColMat, SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, MatMut, c64};
+use nalgebra::DMatrix;
 
 use super::compensated::Compensated;
 use crate::models::matrices::error::Error;
 use crate::models::matrices::pair::Complex;
+use crate::models::matrices::quadratic::{DenseQuadratic, QuadraticError};
 
 /// Coefficients of the terms at one parameter point.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -155,6 +157,33 @@ impl SparseQuadratic {
         let damping = sum(&self.damping, &coefficients.damping)?;
         let stiffness = sum(&self.stiffness, &coefficients.stiffness)?;
         Ok(Point { family: self, coefficients: coefficients.clone(), damping, stiffness })
+    }
+
+    /// The same problem with dense matrices, without its rigid-body motions. Typical coefficients fix the unit of frequency.
+    ///
+    /// # Errors
+    /// [`QuadraticError`].
+    pub fn dense(&self, typical: &[f64]) -> Result<DenseQuadratic, QuadraticError> {
+        let dense = |values: &[f64]| {
+            let mut dense = DMatrix::zeros(self.size, self.size);
+            let starts = self.column_starts.windows(2).enumerate();
+            for (column, place) in
+                starts.flat_map(|(column, ends)| (ends[0]..ends[1]).map(move |place| (column, place)))
+            {
+                dense[(self.rows[place], column)] = values[place];
+            }
+            dense
+        };
+        let of_terms = |terms: &[Term]| -> Vec<_> {
+            let of_term = |term: &Term| {
+                let mut values = vec![0.0; self.rows.len()];
+                term.add_to(&mut values, 1.0);
+                dense(&values)
+            };
+            terms.iter().map(of_term).collect()
+        };
+        let (damping, stiffness) = (of_terms(&self.damping), of_terms(&self.stiffness));
+        Ok(DenseQuadratic::new(&dense(&self.mass), &damping, &stiffness, typical)?.without_rigid_body_motions().0)
     }
 
     /// The product of the mass matrix with a real vector.
