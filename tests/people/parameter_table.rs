@@ -126,6 +126,7 @@ fn tables(place: &Place) -> String {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn what_ten_per_cent_do_is_what_the_program_computes() {
     let (before, rest) = page().split_once(BEGIN).map(|(a, b)| (a.to_owned(), b.to_owned())).unwrap();
     let (shown, after) = rest.split_once(END).unwrap();

@@ -74,6 +74,7 @@ seed = 1
 "#;
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn a_report_warns_of_what_check_warns_of() {
     let place = Place::new();
     submitted(&place, "ring", RING);
@@ -125,6 +126,7 @@ fn data(page: &str) -> Value {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn the_expected_brake_of_a_cell_is_that_of_analyse() {
     let place = Place::new();
     for (name, criterion, rate) in [
@@ -201,6 +203,7 @@ fn runs_that_share_no_cell_stand_beside_each_other() {
 const SHOWN: &str = "reproduce table3 fig4 fig13 fig14a --report";
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn the_gallery_has_every_number_of_the_scoreboard_and_needs_nothing_else() {
     let place = Place::new();
     let printed = place.run(&format!("{SHOWN} --out all")).done().stdout;

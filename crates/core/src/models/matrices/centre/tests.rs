@@ -60,6 +60,7 @@ fn tried(problem: &DenseQuadratic, origin: &[f64], regions: &[Region], scatter: 
 
 /// Structures of 4 to 24 coordinates with 1 to 5 changing coefficients and scatter from 0.2 to 10 %.
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn what_a_centre_tells_is_what_all_eigenvalues_tell() {
     let mut sum = Tally::default();
     for seed in 0..240 {

@@ -143,6 +143,7 @@ fn sum(all: impl Iterator<Item = [usize; 3]>) -> [usize; 3] {
 const SCATTER: [f64; 5] = [0.01, 0.03, 0.08, 0.15, 0.25];
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn verdicts_of_centres_are_those_of_all_eigenvalues_on_models_of_all_kinds() {
     for (kind, name) in KINDS.iter().enumerate() {
         let one = |seed: usize| compare(kind, seed as u64, 2 + 5 * seed, SCATTER[(kind + seed) % 3], 60);

@@ -25,6 +25,7 @@ fn what_has_no_model_or_no_equilibrium_is_refused() {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: `make test` runs it")]
 fn of_several_equilibria_that_on_the_branch_from_no_load_is_taken() {
     // Newton's method from the rigid disc ends where the pad is turned by 0.62 rad, with a growth rate of 1634 1/s. The
     // reference followed friction and preload from zero in steps, with another number of modes.
