@@ -200,7 +200,9 @@ mod tests {
                 // A damping ratio counts from 1e-9 below zero on, which is half of the damping.
                 let half = (width * width - 2e-9).sqrt();
                 let expected = if is_in { vec![[0.3 - half, 0.3 + half]] } else { Vec::new() };
-                assert_eq!(found.surely.len(), expected.len(), "{width} {band:?}: {found:?}");
+                for intervals in [&found.surely, &found.possibly] {
+                    assert_eq!(intervals.len(), expected.len(), "{width} {band:?}: {found:?}");
+                }
                 for ([from, to], [low, high]) in found.surely.iter().chain(&found.possibly).zip(expected.iter().cycle())
                 {
                     assert!((from - low).abs() < 1e-9 && (to - high).abs() < 1e-9, "{width}: {found:?} {expected:?}");
