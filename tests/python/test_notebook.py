@@ -35,7 +35,17 @@ def outputs(tmp_path_factory: pytest.TempPathFactory) -> list[nbformat.NotebookN
 
 
 def texts(outputs: list[nbformat.NotebookNode]) -> list[str]:
-    return [output.get("text") or output["data"]["text/plain"] for output in outputs]
+    """What the outputs say. A kernel sends what is printed in pieces of any length: pieces that follow are one text."""
+    texts: list[str] = []
+    previous = None
+    for output in outputs:
+        stream = output.get("name")
+        if stream is not None and stream == previous:
+            texts[-1] += output["text"]
+        else:
+            texts.append(output["text"] if stream else output["data"]["text/plain"])
+        previous = stream
+    return texts
 
 
 def test_the_stored_outputs_are_those_of_now(outputs: list[nbformat.NotebookNode]) -> None:
