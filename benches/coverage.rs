@@ -321,7 +321,7 @@ fn sobol_points() {
 
 /// Ten inputs whose weighted sum decides, two of which are integrated over at every sample of the others.
 fn conditional_probabilities() {
-    heading("conditional probabilities, 16 randomisations, ten inputs");
+    heading("conditional probabilities, 16 randomisations");
     // The share of the variance that the two have.
     for (of_two, tail, points, seeds) in [
         (0.5, 0.1, 256, 1000),
@@ -343,6 +343,23 @@ fn conditional_probabilities() {
         let weight = ((1.0 - of_two) / others as f64).sqrt();
         let given = |z: &[f64]| normal::upper_tail((limit - weight * z.iter().sum::<f64>()) / of_two.sqrt());
         print_conditional(&format!("two have {of_two} of the variance"), others, tail, points, seeds, &given);
+    }
+    // One or two others, on which the probability depends smoothly.
+    for (others, bend, points, seeds) in [
+        (1, 0.1_f64, 64, 1000),
+        (1, 0.1, 512, 1000),
+        (1, 0.1, 1000, 1000),
+        (1, 0.1, 1024, 1000),
+        (1, 0.1, 2048, 1000),
+        (1, 1.0, 2048, 1000),
+        (1, 0.1, 16_384, 100),
+        (2, 0.1, 2048, 1000),
+        (2, 1.0, 2048, 1000),
+    ] {
+        let p = 0.05 * (1.0 + bend).powf(-0.5 * others as f64);
+        let given = |z: &[f64]| 0.05 * (-0.5 * bend * z.iter().map(|z| z * z).sum::<f64>()).exp();
+        let method = format!("smooth over {others} other inputs, bent by {bend}");
+        print_conditional(&method, others, p, points, seeds, &given);
     }
     // The same of a brake, with its integrals: the logarithms of preload, friction and damping are normal.
     let mut parameters = Parameters::sui_ding_2018();
