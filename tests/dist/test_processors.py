@@ -30,10 +30,10 @@ mass = { file = "mass.txt" }
 damping = [{ file = "damping.txt" }]
 stiffness = [{ file = "stiffness.txt" }, { file = "coupling.txt", factor = "friction" }]
 [model.parameters]
-friction = 0.6
+friction = 0.42
 [random]
 inputs = ["friction"]
-relative_std = 0.3
+relative_std = 0.05
 [sampling]
 method = "exact"
 audit = 2
@@ -51,8 +51,8 @@ JOBS = {
 
 
 def chain(place: Path) -> None:
-    """Writes the matrices of 24 masses in a row, of which friction couples some."""
-    count = 24
+    """Writes the matrices of 16 masses in a row, of which friction couples some."""
+    count = 16
     diagonal = {(i, i): 1.0 + 0.05 * i for i in range(count)}
     springs = {(i, i): 2.2e6 for i in range(count)}
     springs |= {(i, j): -1e6 for i in range(count) for j in (i - 1, i + 1) if 0 <= j < count}
