@@ -2,7 +2,7 @@
 //!
 //! Of independent standard normal deviates `u`, let `Q(u)` be the probability that others are farther from the origin. Beside
 //! every [`EACH`] points with the normal density `phi` there is one beyond. Its direction is that of any other point, and its `Q`
-//! lies between 1e-3 and 1e-15: from 1e-5 on each power of ten has as many points, before they become more from none on. So they
+//! lies between 1e-3 and 1e-15. From 1e-5 on each power of ten has as many points; before, their number rises from none. So they
 //! have the density
 //!
 //! ```text
@@ -21,9 +21,9 @@
 //! deviations out, which one of some million points would meet, gets its share of the points beyond, and each of them counts
 //! some 1e-5.
 //!
-//! `a` is continuous. With as many points in the first power of ten as in others it would fall from 1 to 0.1 at once, and where one
-//! point of a net over one input lies in its stratum would decide on nine tenths of it: in one randomisation of twenty the sum would
-//! differ from all others, and where none of sixteen is such a one, their scatter is far too small.
+//! `a` is continuous, but at the far end. With as many points in the first power of ten as in others it would fall from 1 to 0.1 at
+//! once, and where one point of a net over one input lies in its stratum would decide on nine tenths of it: in one randomisation of
+//! twenty the sum would differ from all others, and where none of sixteen is such a one, their scatter is far too small.
 
 use std::f64::consts::LN_10;
 use std::ops::Range;
@@ -36,13 +36,13 @@ pub const EACH: u64 = 4;
 /// Randomisations of points beyond are numbered from here on, so that they are independent of all others.
 pub const RANDOMISATIONS: u64 = 1 << 32;
 
-/// Powers of ten of the probability of points farther out, negative: where points beyond begin and end, and over how many they
-/// become as many as they are in all others.
+/// Powers of ten of the probability of points farther out, with the sign changed: where points beyond begin and end, and over how
+/// many their number rises.
 const FIRST: f64 = 3.0;
 const LAST: f64 = 15.0;
 const RISE: f64 = 2.0;
 
-/// How many powers of ten they would fill with as many in each.
+/// How many powers of ten the same points would fill if none rose.
 const DECADES: f64 = LAST - FIRST - 0.5 * RISE;
 
 /// Halvings of a distance: to the last digit.
