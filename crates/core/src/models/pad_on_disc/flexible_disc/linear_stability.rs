@@ -24,10 +24,9 @@ use nalgebra::{Complex, DMatrix, DVector};
 use crate::models::pad_on_disc::degree_of_freedom::DegreeOfFreedom;
 use crate::models::pad_on_disc::flexible_disc::brake::FlexibleBrake;
 use crate::models::pad_on_disc::flexible_disc::error::FlexibleError;
-use crate::models::pad_on_disc::flexible_disc::linearisation::first_order;
 use crate::models::pad_on_disc::pad::equations::PAD;
 use crate::models::pad_on_disc::rigid_disc::pad_on_disc::RandomInputs;
-use crate::numerics::eigenvalues::{Eigenvalue, EigenvalueError, eigenvalues};
+use crate::numerics::eigenvalues::{Eigenvalue, eigenvalues};
 use crate::numerics::root_location::false_position;
 
 /// Lattice spacing of the logarithm of the preload, and of the friction coefficient. Neighbouring critical products of
@@ -62,25 +61,6 @@ pub enum LinearStability {
     },
 }
 
-/// The linearised equations at one preload and friction coefficient, for any slope.
-struct Linearisation {
-    stiffness: DMatrix<f64>,
-    /// Without a fall of friction, and what one unit of slope adds.
-    damping: DMatrix<f64>,
-    damping_by_slope: DMatrix<f64>,
-}
-
-impl Linearisation {
-    fn matrix(&self, slope: f64) -> DMatrix<f64> {
-        first_order(&self.stiffness, &(&self.damping + &self.damping_by_slope * slope))
-    }
-
-    fn growth_rate(&self, slope: f64) -> Result<f64, EigenvalueError> {
-        let values = eigenvalues(&self.matrix(slope))?;
-        Ok(values.first().map_or(f64::NEG_INFINITY, |value| value.re))
-    }
-}
-
 impl FlexibleBrake {
     /// [`FlexibleBrake::linear_stability`] by the eigenvalues of this very sample.
     ///
@@ -88,29 +68,21 @@ impl FlexibleBrake {
     /// As [`FlexibleBrake::growth_rate`].
     pub fn by_eigenvalues(&self, inputs: RandomInputs) -> Result<LinearStability, FlexibleError> {
         let q = self.sliding_equilibrium(inputs)?;
-        let (stiffness, damping) = self.equations.linearise(inputs, &q);
-        let matrix = first_order(&stiffness, &damping);
+        let pad = &self.equations.coefficients.pad;
+        let linearisation = self.equations.linearise_with(&q, pad.steady_friction(inputs.static_friction));
+        let slope = self.equations.friction_slope(inputs.static_friction);
+        let matrix = linearisation.first_order(slope);
         let values = eigenvalues(&matrix)?;
         let Some(fastest) = values.first().filter(|value| value.re > 0.0) else {
             return Ok(LinearStability::Stable);
         };
-        let pad = &self.equations.coefficients.pad;
-        let mu = pad.steady_friction(inputs.static_friction);
-        let (stiffness, damping) = self.equations.linearise_with(&q, mu, 0.0);
-        let without_fall = eigenvalues(&first_order(&stiffness, &damping))?;
-        let falls = self.equations.friction_slope(inputs.static_friction) > 0.0;
-        let fed_by = if falls && without_fall.first().is_none_or(|value| value.re <= 0.0) {
+        let without_fall = eigenvalues(&linearisation.first_order(0.0))?;
+        let fed_by = if slope > 0.0 && without_fall.first().is_none_or(|value| value.re <= 0.0) {
             DegreeOfFreedom::Tangential
         } else {
             self.largest_share(&matrix, *fastest)
         };
         Ok(LinearStability::Unstable { fed_by })
-    }
-
-    fn linearisation(&self, q: &[f64], mu: f64) -> Linearisation {
-        let (stiffness, damping) = self.equations.linearise_with(q, mu, 0.0);
-        let damping_by_slope = self.equations.linearise_with(q, mu, 1.0).1 - &damping;
-        Linearisation { stiffness, damping, damping_by_slope }
     }
 
     /// By the critical products of the sample's box; `None` if they leave it open, or if it is stopped while they are
@@ -159,7 +131,7 @@ impl FlexibleBrake {
         let preload = libm::exp(PRELOAD_SPACING * column as f64);
         let mu = self.equations.coefficients.pad.kinetic_friction + FRICTION_SPACING * row as f64;
         let q = self.sliding_equilibrium_with(preload, mu)?;
-        let linearisation = self.linearisation(&q, mu);
+        let linearisation = self.equations.linearise_with(&q, mu);
         let growth_rate = |slope: f64| if is_stopped() { None } else { linearisation.growth_rate(slope).ok() };
         let at_rest = growth_rate(0.0)?;
         let by_slope = linearisation.damping_by_slope[(0, 0)];

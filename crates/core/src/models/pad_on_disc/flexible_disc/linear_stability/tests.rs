@@ -64,7 +64,7 @@ fn an_eigenvector_is_one() {
     let flexible = flexible(&[]);
     let inputs = RandomInputs { preload: 0.1, static_friction: 0.39 };
     let q = flexible.sliding_equilibrium(inputs).unwrap();
-    let matrix = flexible.linearisation(&q, 0.3).matrix(0.3);
+    let matrix = flexible.equations.linearise_with(&q, 0.3).first_order(0.3);
     for value in eigenvalues(&matrix).unwrap().into_iter().take(3) {
         let vector = eigenvector(&matrix, value);
         let image = matrix.map(|entry| Complex::new(entry, 0.0)) * &vector;
@@ -88,7 +88,7 @@ fn friction_that_rises_feeds_the_disc_and_not_the_tangential_motion() {
     let inputs = RandomInputs { preload: 0.177_652, static_friction: 0.034_344 };
     let q = brake.sliding_equilibrium(inputs).unwrap();
     let mu = brake.equations.coefficients.pad.steady_friction(inputs.static_friction);
-    assert!(brake.linearisation(&q, mu).growth_rate(0.0).unwrap() < 0.0);
+    assert!(brake.equations.linearise_with(&q, mu).growth_rate(0.0).unwrap() < 0.0);
     assert!(brake.growth_rate(inputs).unwrap() > 0.0);
     let disc = LinearStability::Unstable { fed_by: DegreeOfFreedom::Disc };
     assert_eq!(brake.by_eigenvalues(inputs).unwrap(), disc);
