@@ -429,9 +429,9 @@ fn figures_14a_and_14b_nearly_agree_with_either_index() {
     // The paper's index: the settled amplitude. A limit below every limit cycle, above every motion that dies away.
     let index = text.replace("name = \"fig14b\"", "name = \"index\"");
     place.write("index.toml", &index.replace("horizon = 10_000.0", "index = { amplitude = 5e-4 }\nhorizon = 10_000.0"));
-    place.run("submit fig14b.toml --samples 30").done();
-    place.run("submit index.toml --samples 30").done();
-    place.run(&format!("submit {} --samples 30", repository().join("jobs/fig14a.toml").display())).done();
+    place.run("submit fig14b.toml --samples 15").done();
+    place.run("submit index.toml --samples 15").done();
+    place.run(&format!("submit {} --samples 15", repository().join("jobs/fig14a.toml").display())).done();
     let [motion, amplitude, linear] =
         ["fig14b", "index", "fig14a"].map(|run| Table::read(&place.path(&format!("runs/{run}/surface.parquet"))));
     let sum = |table: &Table, name: &str| table.column(name).iter().sum::<f64>();
