@@ -4,8 +4,8 @@ use std::any::Any;
 use std::sync::{Arc, OnceLock};
 
 use super::centres::Centres;
-use super::decide::{Decider, MOST_REGIONS, RegionSet};
-use super::decided::{Asked, Decided};
+use super::decide::{Decider, MOST_REGIONS, RegionSet, region_at};
+use super::decided::{Asked, Decided, Found};
 use super::limit_branch::limit_states;
 use super::problem::Problem;
 use super::quadratic::DenseQuadratic;
@@ -26,8 +26,8 @@ use crate::numerics::eigenvalues::Eigenvalue;
 const MOST_NUMBERS_OF_FIRST: usize = 1 << 24;
 const MOST_NUMBERS: usize = 1 << 18;
 
-/// Coordinates from which on all eigenvalues of a sample are found once for all bands: with fewer, that takes hardly longer than
-/// to look up what was found.
+/// Coordinates of dense matrices from which on all eigenvalues of a sample are found once for all bands: with fewer, that takes
+/// hardly longer than to look up what was found.
 const LARGE: usize = 16;
 
 /// The bands of a model, and which of them count.
@@ -63,24 +63,40 @@ struct Together {
 }
 
 impl Together {
-    /// The bands in which a sample is unstable, for some `own` ones, from a centre or by all eigenvalues, where these converge; `None` if they are being
+    /// The bands in which a sample is unstable, at least of its `own` ones, where its eigenvalues are found; `None` if they are being
     /// found for another band and the sample is not `wanted_now`.
     fn bands(
         &self,
-        problem: &DenseQuadratic,
+        problem: &Problem,
         coefficients: &[f64],
         own: RegionSet,
         wanted_now: bool,
     ) -> Option<Option<RegionSet>> {
-        let by_all = || Decider::of_each(problem, &self.regions).by_all(coefficients);
-        let find = || self.centres.regions(problem, coefficients).or_else(by_all);
-        let Some(decided) = &self.decided else { return Some(find()) };
+        let find = |wanted: RegionSet| self.find(problem, coefficients, wanted);
+        let alone = || find(own).map(|found| found.unstable);
+        let Some(decided) = &self.decided else { return Some(alone()) };
         match decided.ask(coefficients, own) {
             Asked::InWork if !wanted_now => None,
-            Asked::InWork => Some(find()),
-            Asked::Decided(regions) => Some(regions),
-            Asked::Unknown(undecided) => Some(undecided.decided(find())),
+            Asked::InWork => Some(alone()),
+            Asked::Decided(regions) => Some(Some(regions)),
+            Asked::Unknown(undecided) => Some(find(own & !undecided.known()).map(|found| undecided.decided(found))),
         }
+    }
+
+    /// What a sample is in bands: in all from a centre or by all eigenvalues, with full matrices in the `wanted` ones, one by one.
+    fn find(&self, problem: &Problem, coefficients: &[f64], wanted: RegionSet) -> Option<Found> {
+        if let Problem::Dense(problem) = problem {
+            let by_all = || Decider::of_each(problem, &self.regions).by_all(coefficients);
+            let unstable = self.centres.regions(problem, coefficients).or_else(by_all)?;
+            return Some(Found { known: RegionSet::MAX, unstable });
+        }
+        let mut found = Found { known: wanted, unstable: 0 };
+        for (place, region) in self.regions.iter().enumerate().filter(|(place, _)| region_at(*place) & wanted != 0) {
+            if is_unstable(problem, coefficients, std::slice::from_ref(region))? {
+                found.unstable |= region_at(place);
+            }
+        }
+        Some(found)
     }
 }
 
@@ -121,6 +137,17 @@ impl Shared {
     }
 }
 
+/// The smallest damping ratio in some regions, rad/s, less its threshold, by all eigenvalues; 1 where there is no pair in a region.
+fn least_excess(problem: &Problem, coefficients: &[f64], regions: &[Region]) -> Option<f64> {
+    let values = problem.eigenvalues(coefficients, regions).ok()?;
+    Some(values.iter().map(|value| excess(regions, *value)).fold(1.0, f64::min))
+}
+
+/// Whether that is below the threshold.
+fn is_unstable(problem: &Problem, coefficients: &[f64], regions: &[Region]) -> Option<bool> {
+    least_excess(problem, coefficients, regions).map(|excess| excess < -RESOLUTION)
+}
+
 impl Samples {
     /// The samples with these expected values of all quantities that differ in the `varying` ones.
     pub(super) fn boxed(
@@ -149,7 +176,7 @@ impl Samples {
             most_numbers: if is_first { MOST_NUMBERS_OF_FIRST } else { MOST_NUMBERS },
             series: OnceLock::new(),
         };
-        let is_large = matches!(problem, Problem::Dense(_)) && matrices.size() >= LARGE;
+        let is_large = matches!(problem, Problem::Sparse(_)) || matrices.size() >= LARGE;
         let new = || {
             let regions: Vec<Region> = scale(&all);
             Arc::new(Together {
@@ -185,34 +212,30 @@ impl Samples {
         if coefficients.iter().any(|value| !value.is_finite()) {
             return Some(Verdict::Failed);
         }
-        let unstable = match &self.shared.problem {
-            Problem::Dense(problem) => {
-                let together = self.together.as_ref();
-                let is_proved = together.is_some_and(|together| together.centres.serve(problem));
-                let decider = || Decider::of_any(problem, &self.shared.scaled, self.series());
-                let told = if is_proved { None } else { decider().by_series(coefficients) };
-                match (told, together) {
-                    (Some((regions, _)), _) => Some(regions != 0),
-                    (None, None) => decider().by_all(coefficients).map(|regions| regions != 0),
-                    (None, Some(together)) => {
-                        let regions = together.bands(problem, coefficients, self.places, wanted_now)?;
-                        regions.map(|regions| regions & self.places != 0)
-                    }
-                }
+        let Shared { problem, regions, scaled, .. } = &*self.shared;
+        let together = self.together.as_ref();
+        let by_series = |problem: &DenseQuadratic| {
+            let is_proved = together.is_some_and(|together| together.centres.serve(problem));
+            if is_proved { None } else { Decider::of_any(problem, scaled, self.series()).by_series(coefficients) }
+        };
+        let told = if let Problem::Dense(problem) = problem { by_series(problem) } else { None };
+        let unstable = match (told, together, problem) {
+            (Some((regions, _)), ..) => Some(regions != 0),
+            (None, Some(together), _) => {
+                let regions = together.bands(problem, coefficients, self.places, wanted_now)?;
+                regions.map(|regions| regions & self.places != 0)
             }
-            Problem::Sparse(_) => self.excess(coefficients).map(|excess| excess < -RESOLUTION),
+            (None, None, Problem::Dense(problem)) => {
+                let regions = Decider::of_any(problem, scaled, self.series()).by_all(coefficients);
+                regions.map(|regions| regions != 0)
+            }
+            (None, None, Problem::Sparse(_)) => is_unstable(problem, coefficients, regions),
         };
         Some(match unstable {
             Some(true) => Verdict::Unstable,
             Some(false) => Verdict::Stable,
             None => Verdict::Failed,
         })
-    }
-
-    /// The smallest damping ratio in the bands less its threshold, by all eigenvalues; 1 where there is no pair in a band.
-    fn excess(&self, coefficients: &[f64]) -> Option<f64> {
-        let values = self.shared.problem.eigenvalues(coefficients, &self.shared.regions).ok()?;
-        Some(values.iter().map(|value| excess(&self.shared.regions, *value)).fold(1.0, f64::min))
     }
 
     /// The eigenvalue that this is of, in rad/s, with the series if there is one.
@@ -301,7 +324,7 @@ impl Configuration for Samples {
                 Problem::Dense(problem) => {
                     Decider::of_any(problem, &self.shared.scaled, self.series()).limit_state(&coefficients)
                 }
-                Problem::Sparse(_) => self.excess(&coefficients),
+                problem @ Problem::Sparse(_) => least_excess(problem, &coefficients, &self.shared.regions),
             };
             state.unwrap_or(f64::NAN)
         };
