@@ -254,7 +254,7 @@ fn messages_say_what_is_wrong() {
     let checked = check("overdamped.toml").done();
     assert!(checked.stderr.contains("nothing oscillates in the expected brake"), "{}", checked.stderr);
     assert!(
-        checked.stdout.contains(" degrees of freedom; no motion of the expected brake oscillates\n"),
+        checked.stdout.contains("# 1 degree of freedom; no motion of the expected brake oscillates\n"),
         "{}",
         checked.stdout
     );

@@ -743,7 +743,7 @@ fn what_is_wrong_with_matrices_is_said_in_words_of_their_makers() {
         (
             "factor = \"friction\"",
             "factor = \"frction\"",
-            &["there is no parameter `frction`", "[model.parameters] has friction"][..],
+            &["there is no parameter `frction`", "[model.parameters] has friction; declare others there"][..],
         ),
         ("[[2, 1], [1, 2]]", "[[2, 1], [1]]", &["row 2 of the matrix has 1 values", "square"]),
         (
@@ -788,6 +788,9 @@ fn what_is_wrong_with_matrices_is_said_in_words_of_their_makers() {
         place.write("job.toml", &whole.replace(wrong, right));
         place.run("check job.toml").refused(65, texts);
     }
+    let divided = whole.replace("factor = \"friction\"", "factor = \"friction / width\"");
+    place.write("job.toml", &divided.replace("friction = 0.7", "friction = 0.7\nwidth = 0"));
+    place.run("check job.toml").refused(65, &["the factor \"friction / width\" is inf at friction = 0.7, width = 0"]);
     let symmetric = whole.replace(", { matrix = [[0, -1.3333333333333333], [0, 0]], factor = \"friction\" }", "");
     place.write("job.toml", &symmetric);
     let check = place.run("check job.toml").done();

@@ -206,7 +206,9 @@ impl Model for MatrixModel {
             if !value.is_finite() {
                 let names: Vec<&str> = self.matrices.parameters.iter().map(|own| own.name.as_str()).collect();
                 let text = term.factor.to_text(&names);
-                return Err(ModelError(format!("the factor \"{text}\" is {value} at the values of this cell")));
+                let value_of = |place: usize| format!("{} = {}", names[place], parameters[place]);
+                let values: Vec<String> = term.factor.parameters().map(value_of).collect();
+                return Err(ModelError(format!("the factor \"{text}\" is {value} at {}", values.join(", "))));
             }
         }
         let (band, bands) = (expected.get(parameters.len()).copied().unwrap_or(0.0), self.criterion.bands.len());

@@ -306,5 +306,6 @@ pub fn frequencies(model: &MatrixModel, modes: &[Mode]) -> String {
         true => "no motion of the expected brake oscillates".to_owned(),
         false => format!("the first frequencies of the expected brake in Hz: {}", shown.join(", ")),
     };
-    format!("# {} degrees of freedom; {what}\n", model.matrices().size())
+    let size = model.matrices().size();
+    format!("# {size} {} of freedom; {what}\n", if size == 1 { "degree" } else { "degrees" })
 }

@@ -211,7 +211,7 @@ impl<'a> Reader<'a> {
             Some(FactorSpec::Text(text)) => Factor::parse(text, &self.parameters).map_err(|error| {
                 let known = match &self.parameters[..] {
                     [] => "there are no parameters; declare them in [model.parameters]".to_owned(),
-                    names => format!("[model.parameters] has {}", names.join(", ")),
+                    names => format!("[model.parameters] has {}; declare others there", names.join(", ")),
                 };
                 complain(format!("factor = \"{text}\": {error} ({known})"))
             })?,
