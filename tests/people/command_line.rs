@@ -400,16 +400,13 @@ fn shipped_jobs_are_checked_without_a_warning_and_run() {
         }
         let job = path.display();
         let name = path.file_stem().unwrap().to_str().unwrap();
-        // It takes nine seconds, and the guide to it is run by `tests/people/documents.rs`.
-        if name != "own-brake" {
-            let checked = place.run(&format!("check {job}")).done();
-            assert!(!checked.stderr.contains("warning"), "{}", checked.stderr);
-            let costs = ["samples/s on one, measured now", "# no samples: ", "in a time that is not known"];
-            assert!(costs.iter().any(|cost| checked.stdout.contains(cost)), "{}", checked.stdout);
-            if name == "mission" && !checked.stdout.contains("in a time that is not known") {
-                let limits = " more for the limits of preload in 5 combinations";
-                assert!(checked.stdout.contains(limits), "{}", checked.stdout);
-            }
+        let checked = place.run(&format!("check {job}")).done();
+        assert!(!checked.stderr.contains("warning"), "{}", checked.stderr);
+        let costs = ["samples/s on one, measured now", "# no samples: ", "in a time that is not known"];
+        assert!(costs.iter().any(|cost| checked.stdout.contains(cost)), "{}", checked.stdout);
+        if name == "mission" && !checked.stdout.contains("in a time that is not known") {
+            let limits = " more for the limits of preload in 5 combinations";
+            assert!(checked.stdout.contains(limits), "{}", checked.stdout);
         }
         let samples = match name {
             // They take half a minute: see `tests/numbers/matrices.rs`, and below.

@@ -102,4 +102,12 @@ fn full_matrices_are_searched_once_in_each_band() {
     for (band, expected) in [(1, Verdict::Unstable), (2, Verdict::Stable), (4, Verdict::Failed), (0, Verdict::Failed)] {
         assert_eq!(verdict(&*cell(4, band, None)), expected, "{band}");
     }
+    // What is known of a band is not searched for again: here that would fail.
+    let any = cell(4, 0, None);
+    let together = Samples::from_any(&*any).unwrap().together.as_ref().unwrap();
+    match together.decided.as_ref().unwrap().ask(&sample, 0b1000) {
+        Asked::Unknown(undecided) => undecided.decided(Found { known: 0b1000, unstable: 0 }),
+        Asked::Decided(_) | Asked::InWork => panic!("it is known"),
+    };
+    assert_eq!(verdict(&*any), Verdict::Unstable);
 }
