@@ -4,11 +4,6 @@ CARGO  ?= cargo
 PYTHON ?= python3
 STICKSLIP = target/release/stickslip
 
-# What builds the documentation site. A build without optimisation takes half the time, and is fast enough.
-MDBOOK_VERSION = 0.5.4
-MDBOOK_ROOT = target/mdbook-$(MDBOOK_VERSION)
-MDBOOK = $(MDBOOK_ROOT)/bin/mdbook
-
 # What `make check` does.
 CHECKS = check-format check-dependencies check-lints check-documentation check-packages check-stages
 
@@ -24,9 +19,11 @@ run:
 
 # One more test runs at a time than there are processors, since many wait.
 TEST = RUST_TEST_THREADS=$${RUST_TEST_THREADS:-$$(($$(nproc || getconf _NPROCESSORS_ONLN) + 1))} $(CARGO) test --locked
+TESTS = $(TEST) --release --workspace --no-fail-fast
 
-# The tests. Those of the Python readers need Python with venv, those of the report a Chromium as well; without them they
-# are left out, with a word about it.
+# The tests, built as the program is, but for its own unit tests: to optimise them takes longer than to run them. Those of
+# the Python readers need Python with venv, those of the report a Chromium as well; without them they are left out, with a
+# word about it.
 test: target/readers/ready
 	if [ -x target/readers/bin/python ]; then \
 	    export STICKSLIP_PYTHON="$(CURDIR)/target/readers/bin/python"; \
@@ -39,7 +36,11 @@ test: target/readers/ready
 	else \
 	    echo "note: no Chromium, the test of the report in a browser is left out" >&2; \
 	fi; \
-	$(TEST) --release --workspace --no-fail-fast
+	failed=; \
+	$(TESTS) --lib --test '*' || failed=1; \
+	$(TESTS) --bins --config profile.release.package.stickslip.opt-level=0 || failed=1; \
+	$(TESTS) --doc || failed=1; \
+	[ -z "$$failed" ]
 
 # For while you write, an answer within a minute after a changed line: the unit tests and those of the command line, but for
 # the slow ones, with little optimisation and with checks for overflow. The first time builds the dependencies.
@@ -208,19 +209,19 @@ check-stages:
 packages:
 	$(CARGO) package --locked --workspace --allow-dirty
 
-# The documentation as a site in target/docs, to be opened in a browser: README.md, ARCHITECTURE.md and docs/. Pages and
-# what they link to keep their places, so that the same links work here and in a view of the repository.
-docs: $(MDBOOK)
-	rm -rf target/docs target/book
-	mkdir -p target/book/src
-	cp docs/book.toml target/book
-	cp -RL README.md ARCHITECTURE.md SECURITY.md CHANGELOG.md CITATION.cff docs jobs crates target/book/src
-	sed -e 's|](|](docs/|' -e 's|docs/\.\./||' docs/SUMMARY.md > target/book/src/SUMMARY.md
-	$(MDBOOK) build target/book --dest-dir "$(CURDIR)/target/docs"
+# The documentation as a site in target/docs, to be opened in a browser: README.md, ARCHITECTURE.md and docs/. Pages link as in
+# a view of the repository.
+SITE = target/site
 
-$(MDBOOK):
-	$(CARGO) install mdbook --version $(MDBOOK_VERSION) --locked --root $(MDBOOK_ROOT) --debug \
-		--config profile.dev.debug=false --no-default-features --features search
+docs: $(SITE)/ready
+	rm -rf target/docs
+	$(SITE)/bin/python -B -m sphinx -W --keep-going -q -E -d $(SITE)/doctrees -c docs . target/docs
+	cp target/docs/README.html target/docs/index.html
+
+$(SITE)/ready: docs/requirements.txt
+	$(PYTHON) -m venv $(SITE)
+	$(SITE)/bin/python $(PIP_INSTALL) -r $<
+	touch $@
 
 # The figures of docs/reproduction.md. Figure 14b, which takes minutes, is left out.
 FIGURES = fig4 fig5 fig6 fig7 fig8 fig9 fig10 fig11 fig12 fig13 fig14a fig14c fig14d fig15a fig15b
