@@ -5,7 +5,7 @@ import os
 import shutil
 import signal
 import subprocess
-from pathlib import Path
+import time
 from typing import Iterable, Iterator
 
 from common import (
@@ -43,6 +43,7 @@ class SmallDisk:
 
     def __init__(self, place: Place, size: int) -> None:
         self.place, self.path = place, place.path / "disk"
+        self.filler = self.path / "filler"
         self.path.mkdir()
         self.mount("-t", "tmpfs", "-o", f"size={ROOM}", "none", self.path)
         shutil.rmtree(place.run, ignore_errors=True)
@@ -58,6 +59,27 @@ class SmallDisk:
 
     def remount(self, options: str) -> None:
         self.mount("-o", f"remount,{options}", self.path)
+
+    def fill(self, but: int = 0) -> None:
+        """Fills the disk with a file, but for some pages."""
+        with contextlib.suppress(OSError), self.filler.open("wb", buffering=0) as file:
+            while True:
+                file.write(bytes(PAGE))
+        os.truncate(self.filler, self.filler.stat().st_size - but * PAGE)
+
+    def empty(self) -> None:
+        """Takes the file away. A process that another try began meanwhile has it open too, until it has become the program of
+        that try, and only then there is room."""
+        taken, free = self.filler.stat().st_blocks * 512, self.free()
+        self.filler.unlink()
+        begun = time.monotonic()
+        while self.free() - free < taken:
+            check(time.monotonic() - begun < self.place.suite.limit, "what the file took does not become free")
+            time.sleep(0.001)
+
+    def free(self) -> int:
+        there = os.statvfs(self.path)
+        return there.f_bfree * there.f_frsize
 
     def __enter__(self) -> "SmallDisk":
         return self
@@ -113,23 +135,14 @@ def disk_full(suite: Suite) -> Iterator[Try]:
             yield Try(kind, f"merge with {left} pages", lambda place: full_at_the_merge(place, left), small=True)
 
 
-def fill(path: Path) -> None:
-    """Fills the disk with a file."""
-    with contextlib.suppress(OSError), path.open("wb", buffering=0) as file:
-        while True:
-            file.write(bytes(PAGE))
-
-
 def full_at_the_merge(place: Place, pages: int) -> str:
     """All shards have finished, and there is room for some pages."""
-    with SmallDisk(place, SMALL):
+    with SmallDisk(place, SMALL) as disk:
         for shard in ("1/2", "2/2"):
             place.stickslip("submit", "job.toml", "--out", "disk/run", "--threads", 1, "--shard", shard)
-        filler = place.path / "disk" / "filler"
-        fill(filler)
-        os.truncate(filler, filler.stat().st_size - pages * PAGE)
+        disk.fill(but=pages)
         ended = place.start("merge", "disk/run").ended()
-        filler.unlink()
+        disk.empty()
         if stopped_or_done(place, ended, "disk/run"):
             return finish_on_disk(place)
         return place.same_bytes()
@@ -137,14 +150,13 @@ def full_at_the_merge(place: Place, pages: int) -> str:
 
 def filled(place: Place) -> str:
     """Another program fills the disk in mid-run."""
-    with SmallDisk(place, SMALL):
+    with SmallDisk(place, SMALL) as disk:
         running = place.begin()
         place.wait_for_work(running)
         place.wait(running)
-        filler = place.path / "disk" / "filler"
-        fill(filler)
+        disk.fill()
         ended = running.ended()
-        filler.unlink()
+        disk.empty()
         if stopped_or_done(place, ended, "disk/run"):
             return finish_on_disk(place)
         return place.same_bytes()
