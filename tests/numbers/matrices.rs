@@ -371,14 +371,14 @@ fn degrees_of_freedom_have_their_names_in_what_is_said() {
         65,
         &[
             "some degrees of freedom have no mass (one is number 2, node 9 in direction 3)",
-            "1 degrees of freedom have neither mass nor stiffness",
+            "1 degree of freedom has neither mass nor stiffness",
         ],
     );
     write(&[(7, 1, 1.0), (9, 3, 1.0)], &[(7, 1, 4.0)]);
     let check = place.run("check job.toml").done();
     let said = format!("{}{}", check.stdout, check.stderr);
     for text in [
-        "1 degrees of freedom have no stiffness (the first is number 2, node 9 in direction 3)",
+        "1 degree of freedom has no stiffness (the first is number 2, node 9 in direction 3)",
         "one triangle is stored of stiffness[0], which loses friction",
         "# model.mass, model.stiffness[0]: the file has one triangle of a symmetric matrix",
         "# two.pch also has BAAX, which no term names",
@@ -762,7 +762,7 @@ fn what_is_wrong_with_matrices_is_said_in_words_of_their_makers() {
         (
             "[[2, 1], [1, 2]]",
             "[[1e36, 1], [1, 2]]",
-            &["1 entries on the diagonal are 1e30 or more (the first is number 1)", "constrained degrees of freedom"],
+            &["1 entry on the diagonal is 1e30 or more (the first is number 1)", "constrained degrees of freedom"],
         ),
         ("matrix = [[2, 1], [1, 2]]", "file = \"no.mat\", matrix = \"K\"", &["no.mat", "No such file"]),
         (

@@ -9,6 +9,7 @@ use super::matrix::{ReadMatrix, Stored};
 use super::nodes::{Numbering, place, symmetry, take_held};
 use super::source::Source;
 use super::text::{Lines, index, number, words};
+use crate::output::counted;
 
 /// Most words of a line that are looked at.
 const MOST_WORDS: usize = 6;
@@ -26,9 +27,9 @@ impl Internal {
             return Ok(());
         }
         Err(Problem::new(format!(
-            "{} entries are of {} internal nodes (numbers below 1): Lagrange multipliers of contact, hybrid elements or couplings, which have no mass; write the model with penalty contact, without hybrid elements and with kinematic couplings",
-            self.entries,
-            self.nodes.len()
+            "{} of {} (numbers below 1): Lagrange multipliers of contact, hybrid elements or couplings, which have no mass; write the model with penalty contact, without hybrid elements and with kinematic couplings",
+            counted(self.entries as u128, "entry is", "entries are"),
+            counted(self.nodes.len() as u128, "internal node", "internal nodes")
         )))
     }
 }

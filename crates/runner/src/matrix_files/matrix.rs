@@ -3,6 +3,7 @@
 use faer::sparse::SparseColMat;
 
 use super::entries::Built;
+use crate::output::counted;
 
 /// A degree of freedom: the number of its node, and its direction from 1.
 pub type Place = (i64, u32);
@@ -48,7 +49,8 @@ impl ReadMatrix {
             notes.push("the file has one triangle of a symmetric matrix; the other is its mirror image".to_owned());
         }
         if built.added > 0 {
-            notes.push(format!("{} entries are given more than once and were added", built.added));
+            let entries = counted(built.added as u128, "entry is", "entries are");
+            notes.push(format!("{entries} given more than once, and added up"));
         }
         let matrix = built.matrix;
         Self {

@@ -428,7 +428,7 @@ fn entries_that_are_given_twice_are_added_and_said() {
     fs::write(&path, "%%MatrixMarket matrix coordinate real general\n2 2 4\n2 2 1.5\n1 2 4\n2 2 1\n1 2 -4\n").unwrap();
     let read = read(&path, None).unwrap();
     assert_eq!(dense(&read), [[0.0, 0.0], [0.0, 2.5]]);
-    assert_eq!(read.notes, ["2 entries are given more than once and were added"]);
+    assert_eq!(read.notes, ["2 entries are given more than once, and added up"]);
 }
 
 #[test]

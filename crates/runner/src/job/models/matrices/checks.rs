@@ -13,6 +13,7 @@ use stickslip_core::numerics::eigenvalues::Eigenvalue;
 use super::terms::{Head, Term};
 use crate::job::diagnosis::{Complaint, Complaints};
 use crate::matrix_files::{Place, ReadMatrix, Stored};
+use crate::output::counted;
 use crate::units::significant;
 
 /// Frequencies that are shown, Hz.
@@ -32,8 +33,8 @@ pub fn refuse(terms: &[Term], complaints: &mut Complaints) -> Option<()> {
         let held: Vec<usize> = (0..size).filter(is_held).collect();
         if let Some(first) = held.first() {
             let message = format!(
-                "{} entries on the diagonal are 1e30 or more (the first is {}), which is how programs mark constrained degrees of freedom; remove their rows and columns from all matrices, or name the file of Abaqus itself, from which they are taken out",
-                held.len(),
+                "{} 1e30 or more (the first is {}), which is how programs mark constrained degrees of freedom; remove their rows and columns from all matrices, or name the file of Abaqus itself, from which they are taken out",
+                counted(held.len() as u128, "entry on the diagonal is", "entries on the diagonal are"),
                 named(places, *first)
             );
             complaints.push(term.head.complaint(&message));
@@ -73,7 +74,8 @@ pub fn not_condensed(
                 empty_rows(all.map(Arc::as_ref), matrices.size()).into_iter().filter(|is_empty| *is_empty).count();
             let what = if empty > 0 {
                 format!(
-                    "; {empty} degrees of freedom have neither mass nor stiffness, as programs leave what is constrained: remove their rows and columns from all matrices"
+                    "; {} neither mass nor stiffness, as programs leave what is constrained: remove their rows and columns from all matrices",
+                    counted(empty as u128, "degree of freedom has", "degrees of freedom have")
                 )
             } else {
                 "; condense them before, or give them a small mass".to_owned()
@@ -138,7 +140,8 @@ pub fn doubts(terms: &[Term], stiffness_from: usize) -> Vec<String> {
     if let Some(first) = is_empty.iter().position(|is_empty| *is_empty) {
         let count = is_empty.iter().filter(|is_empty| **is_empty).count();
         doubts.push(format!(
-            "{count} degrees of freedom have no stiffness (the first is {}): nothing holds them, so that they move freely; are they constrained?",
+            "{} no stiffness (the first is {}): nothing holds them, so that they move freely; are they constrained?",
+            counted(count as u128, "degree of freedom has", "degrees of freedom have"),
             named(terms.first().and_then(|term| term.read.degrees_of_freedom.as_deref()), first)
         ));
     }
