@@ -70,6 +70,18 @@ target/readers/ready: tests/requirements.txt
 	    rm -rf target/readers; test -z "$$CI"; \
 	fi
 
+# What other targets need of Python, each in an environment of its own: UQpy needs older versions of NumPy and others than the
+# rest of its peers.
+target/packaging/ready: packaging/requirements.txt
+target/dist-tests/ready: tests/dist/requirements.txt
+target/site/ready: docs/requirements.txt
+target/peers/ready: benches/peers-requirements.txt
+target/peers-uqpy/ready: benches/peers-uqpy-requirements.txt
+target/packaging/ready target/dist-tests/ready target/site/ready target/peers/ready target/peers-uqpy/ready: target/%/ready:
+	$(PYTHON) -m venv target/$*
+	target/$*/bin/python $(PIP_INSTALL) -r $<
+	touch $@
+
 # The engines that run the shards of a job on many machines, each on this one: a cluster of Slurm, and GNU parallel over
 # ssh. They need root and the packages of Debian, and are left out elsewhere, with a word about it.
 PROGRAM = $(STICKSLIP)
@@ -82,12 +94,11 @@ program:
 
 # The Python package for this machine and those like it, in target/local: a wheel with the program that cargo builds here, and
 # that was tested. Where the program is built, this takes less than a minute.
-PACKAGING = target/packaging
 LOCAL = target/local
 SOURCE_DATE_EPOCH ?= $(or $(shell git log -1 --format=%ct 2>/dev/null),315532800)
-PACKAGED = PATH="$(CURDIR)/$(PACKAGING)/bin:$$PATH" SOURCE_DATE_EPOCH=$(SOURCE_DATE_EPOCH)
+PACKAGED = PATH="$(CURDIR)/target/packaging/bin:$$PATH" SOURCE_DATE_EPOCH=$(SOURCE_DATE_EPOCH)
 
-wheel: program $(PACKAGING)/ready
+wheel: program target/packaging/ready
 	rm -rf $(LOCAL)
 	$(PACKAGED) maturin build --quiet --release --locked --strip false --compatibility linux --out $(LOCAL)
 	$(PACKAGED) python -B packaging/wheel.py $(HOST_TARGET) $(LOCAL)/stickslip-*.whl
@@ -95,11 +106,6 @@ wheel: program $(PACKAGING)/ready
 # The same with the archive. Not to be passed on: their list of parts and their README are those of a release.
 local: wheel
 	$(PACKAGED) python -B packaging/archive.py $(HOST_TARGET) $(LOCAL)/stickslip-*.whl - $(LOCAL)
-
-$(PACKAGING)/ready: packaging/requirements.txt
-	$(PYTHON) -m venv $(PACKAGING)
-	$(PACKAGING)/bin/python $(PIP_INSTALL) -r $<
-	touch $@
 
 # The program for those who have no toolchain, in target/dist: as a wheel, which is the Python package, and as an archive with
 # manual pages, completions, licences and a list of parts. Both hold the same program. It runs on every Linux with glibc 2.17
@@ -110,7 +116,7 @@ HOST_TARGET = $(shell uname -m)-unknown-linux-gnu
 DIST_TARGET = $(HOST_TARGET)
 DIST_WHEEL = $(DIST)/stickslip-*_$(firstword $(subst -, ,$(DIST_TARGET))).whl
 
-dist-wheel: $(PACKAGING)/ready
+dist-wheel: target/packaging/ready
 	rm -f $(DIST_WHEEL)
 	$(PACKAGED) packaging/build.sh $(DIST_TARGET) $(DIST)
 
@@ -138,11 +144,6 @@ test-release: TESTED = $(DIST)
 test-dist test-release: target/dist-tests/ready
 	$(PACKAGED) target/dist-tests/bin/python -B -m pytest -p no:cacheprovider tests/dist --packages $(TESTED) \
 		$(if $(filter test-dist,$@),-m "not release")
-
-target/dist-tests/ready: tests/dist/requirements.txt
-	$(PYTHON) -m venv target/dist-tests
-	target/dist-tests/bin/python $(PIP_INSTALL) -r $<
-	touch $@
 
 # Whether another copy of the commit, elsewhere and in other circumstances, gives the same bytes. It builds the program
 # again, which takes minutes.
@@ -211,17 +212,10 @@ packages:
 
 # The documentation as a site in target/docs, to be opened in a browser: README.md, ARCHITECTURE.md and docs/. Pages link as in
 # a view of the repository.
-SITE = target/site
-
-docs: $(SITE)/ready
+docs: target/site/ready
 	rm -rf target/docs
-	$(SITE)/bin/python -B -m sphinx -W --keep-going -q -E -d $(SITE)/doctrees -c docs . target/docs
+	target/site/bin/python -B -m sphinx -W --keep-going -q -E -d target/site/doctrees -c docs . target/docs
 	cp target/docs/README.html target/docs/index.html
-
-$(SITE)/ready: docs/requirements.txt
-	$(PYTHON) -m venv $(SITE)
-	$(SITE)/bin/python $(PIP_INSTALL) -r $<
-	touch $@
 
 # The figures of docs/reproduction.md. Figure 14b, which takes minutes, is left out.
 FIGURES = fig4 fig5 fig6 fig7 fig8 fig9 fig10 fig11 fig12 fig13 fig14a fig14c fig14d fig15a fig15b
@@ -270,12 +264,6 @@ bench-peers: target/peers/ready target/peers-uqpy/ready
 		target/peers/bin/python benches/$$bench.py $(STICKSLIP) $$more || failed="$$failed $$bench"; \
 	done; \
 	[ -z "$$failed" ] || { echo "not finished or in disagreement:$$failed"; exit 1; }
-
-# UQpy needs older versions of NumPy and others than the rest, so it has an environment of its own.
-target/peers/ready target/peers-uqpy/ready: target/%/ready: benches/%-requirements.txt
-	$(PYTHON) -m venv target/$*
-	target/$*/bin/python $(PIP_INSTALL) -r $<
-	touch $@
 
 clean:
 	$(CARGO) clean
