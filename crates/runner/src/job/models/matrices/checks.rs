@@ -140,7 +140,7 @@ pub fn doubts(terms: &[Term], stiffness_from: usize) -> Vec<String> {
     if let Some(first) = is_empty.iter().position(|is_empty| *is_empty) {
         let count = is_empty.iter().filter(|is_empty| **is_empty).count();
         doubts.push(format!(
-            "{} no stiffness (the first is {}): nothing holds them, so that they move freely; are they constrained?",
+            "{} no stiffness (the first is {}): what has none moves freely; should it be constrained?",
             counted(count as u128, "degree of freedom has", "degrees of freedom have"),
             named(terms.first().and_then(|term| term.read.degrees_of_freedom.as_deref()), first)
         ));
